@@ -1,0 +1,150 @@
+use std::ops::Range;
+
+use crate::error::{Error, check_length};
+use crate::segmentation::Segmentation;
+use crate::series::{STEPS_PER_UNIT, Series, Variable};
+
+/// How inhomogeneous a segment is; 0 for one sample and for a constant.
+///
+/// `x_ij` is sample `j` of variable `i` in a segment of `n` samples, `x̄_i` its mean there, `w_i` the variable's weight.
+/// A variable that is exactly constant on the segment adds 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cost {
+    /// `Σ_i w_i Σ_j |x_ij − x̄_i| / S_i` with `S_i = √(Σ_j (x_ij − x̄_i)² / (n − 1))`: thesis (3.19), (3.20).
+    ///
+    /// Blind to the scale of the variables; grows with the length of the segment.
+    ZScale,
+    /// `Σ_i w_i Σ_j |x_ij − x̄_i| / n`, the weighted mean absolute deviation: thesis (3.22).
+    ///
+    /// In units of the variables; not monotone in the length of the segment.
+    MeanDeviation,
+}
+
+impl Cost {
+    /// Cost of one segment.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Segment`] if the segment is empty or exceeds the series.
+    pub fn of_segment(self, series: &Series, segment: Range<usize>) -> Result<f64, Error> {
+        let Range { start, end } = segment;
+        if start < end && end <= series.len() {
+            Ok(self.between(series, start, end))
+        } else {
+            Err(Error::Segment {
+                start,
+                end,
+                len: series.len(),
+            })
+        }
+    }
+
+    /// Sum of the costs of all segments, thesis (3.15).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] if the segmentation is not one of this series.
+    pub fn total(self, series: &Series, segmentation: &Segmentation) -> Result<f64, Error> {
+        check_length(0, series.len(), segmentation.sample_count())?;
+        Ok(segmentation
+            .iter()
+            .map(|segment| self.between(series, segment.start, segment.end))
+            .fold(0.0, |total, cost| total + cost))
+    }
+
+    /// Cost of `start..end`, which must not be empty nor exceed the series.
+    pub(crate) fn between(self, series: &Series, start: usize, end: usize) -> f64 {
+        let varying = series.variables().iter().filter(|v| v.run_end[start] < end);
+        let n = (end - start) as f64;
+        match self {
+            Self::MeanDeviation => varying.fold(0.0, |sum, v| {
+                sum + v.weight * absolute_deviation(v, start, end) / n
+            }),
+            Self::ZScale => varying.fold(0.0, |sum, v| {
+                let variance = squared_deviation(v, start, end) / (n - 1.0);
+                sum + v.weight * absolute_deviation(v, start, end) / variance.sqrt()
+            }),
+        }
+    }
+}
+
+/// `Σ|x − x̄|` with the mean rounded to the nearest `f64`, accurate to the last digits.
+///
+/// With `⌊x̄⌋` the mean rounded down to the grid, `Σ|x − x̄| = Σ|x − ⌊x̄⌋| + (x̄ − ⌊x̄⌋) (#{x ≤ x̄} − #{x > x̄})`, where the
+/// first sum is one of integers and the fraction is below 1, so that nothing cancels.
+fn absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
+    let (mean, floor) = mean(variable, start, end);
+    let (mut sum, mut above) = (0_i64, 0_i64);
+    for &x in &variable.steps[start..end] {
+        let deviation = x - floor;
+        sum += deviation.abs();
+        above += i64::from(deviation > 0);
+    }
+    // Outside [0, 1] only where the mean has more than 53 bits.
+    let fraction = (mean - floor as f64).clamp(0.0, 1.0);
+    let excess = (end - start) as i64 - 2 * above;
+    (sum as f64 + fraction * excess as f64) / STEPS_PER_UNIT
+}
+
+/// `Σ(x − x̄)²`, an exact integer but for the division by `n`.
+fn squared_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
+    let (_, floor) = mean(variable, start, end);
+    let (mut squares, mut sum) = (0_i128, 0_i128);
+    for &x in &variable.steps[start..end] {
+        let deviation = i128::from(x - floor);
+        squares += deviation * deviation;
+        sum += deviation;
+    }
+    let n = (end - start) as i128;
+    (n * squares - sum * sum) as f64 / (n as f64 * STEPS_PER_UNIT * STEPS_PER_UNIT)
+}
+
+/// The mean in grid steps, as the nearest `f64` and rounded down to the grid.
+fn mean(variable: &Variable, start: usize, end: usize) -> (f64, i64) {
+    let sum = variable.sums[end] - variable.sums[start];
+    let n = end - start;
+    (sum as f64 / n as f64, sum.div_euclid(n as i64))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn by_hand() {
+        let series =
+            Series::new(&[(&[1.0, 2.0, 6.0, 6.0], 2.0), (&[0.0, 0.0, 0.0, 4.0], 1.0)]).unwrap();
+        // First three samples: mean 3, deviations 2, 1, 3; the second variable is constant.
+        assert_eq!(Cost::MeanDeviation.of_segment(&series, 0..3).unwrap(), 4.0);
+        let s = 7.0_f64.sqrt();
+        assert!((Cost::ZScale.of_segment(&series, 0..3).unwrap() - 12.0 / s).abs() < 1e-14);
+        // Last two: the first variable is constant, the second deviates by 2 from its mean.
+        assert_eq!(Cost::MeanDeviation.of_segment(&series, 2..4).unwrap(), 2.0);
+        assert!((Cost::ZScale.of_segment(&series, 2..4).unwrap() - 2.0_f64.sqrt()).abs() < 1e-15);
+        let halves = Segmentation::from_boundaries(vec![0, 3, 4]).unwrap();
+        assert_eq!(Cost::MeanDeviation.total(&series, &halves).unwrap(), 4.0);
+    }
+
+    #[test]
+    fn one_sample_and_constants_cost_nothing() {
+        let series = Series::new(&[(&[0.1; 7], 1.8), (&[-3.0; 7], 1.0)]).unwrap();
+        for cost in [Cost::ZScale, Cost::MeanDeviation] {
+            assert_eq!(cost.of_segment(&series, 3..4).unwrap(), 0.0);
+            assert_eq!(cost.of_segment(&series, 0..7).unwrap(), 0.0);
+        }
+    }
+
+    #[test]
+    fn refuses_segments_outside_the_series() {
+        let series = Series::new(&[(&[1.0, 2.0], 1.0)]).unwrap();
+        for (start, end) in [(0, 3), (1, 1), (2, 1)] {
+            assert_eq!(
+                Cost::ZScale.of_segment(&series, start..end).unwrap_err(),
+                Error::Segment { start, end, len: 2 }
+            );
+        }
+        let other = Segmentation::from_boundaries(vec![0, 3]).unwrap();
+        assert!(Cost::ZScale.total(&series, &other).is_err());
+    }
+}

@@ -1,0 +1,183 @@
+use crate::error::{Error, check_finite, check_length};
+
+/// Grid steps per unit: samples are rounded to multiples of 2⁻³².
+pub(crate) const STEPS_PER_UNIT: f64 = 4_294_967_296.0;
+
+/// `len · max|x|` may not exceed this (in units of the variable). On the grid that is 2⁶¹, so that a sum of
+/// differences stays below 2⁶² and `n` times a sum of their squares below 2¹²⁴.
+const LARGEST_SUM: f64 = 536_870_912.0;
+
+/// A checked multivariate time series: `m` weighted variables of `n` samples each.
+///
+/// Samples are held as integer multiples of 2⁻³². On that grid every sum is exact, and whether a variable is constant
+/// on a segment is decidable; in floating point, rounding noise on a mathematically constant variable costs as much
+/// under [`Cost::ZScale`](crate::Cost::ZScale) as a real signal.
+#[derive(Debug, Clone)]
+pub struct Series {
+    len: usize,
+    variables: Vec<Variable>,
+}
+
+/// One variable on the grid.
+#[derive(Debug, Clone)]
+pub(crate) struct Variable {
+    pub(crate) weight: f64,
+    /// Samples in grid steps, length `n`.
+    pub(crate) steps: Vec<i64>,
+    /// `sums[i]` is the sum of the first `i` samples, length `n + 1`.
+    pub(crate) sums: Vec<i64>,
+    /// `run_end[i]` is one past the last sample of the run of equal samples that holds sample `i`, length `n`.
+    pub(crate) run_end: Vec<usize>,
+}
+
+impl Series {
+    /// Checks the variables, given as (samples, weight), and rounds them to the grid.
+    ///
+    /// Units are the caller's. Costs add up over variables, so the weights must make their units comparable; a variable
+    /// of weight 0 has no influence.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoVariables`], [`Error::NoSamples`], [`Error::Length`], [`Error::NotFinite`], [`Error::Weight`], and
+    /// [`Error::TooLarge`] for a magnitude above 2²⁹ / `n`.
+    pub fn new(variables: &[(&[f64], f64)]) -> Result<Self, Error> {
+        let (first, _) = variables.first().ok_or(Error::NoVariables)?;
+        let len = first.len();
+        if len == 0 {
+            return Err(Error::NoSamples);
+        }
+        let mut variables: Vec<Variable> = variables
+            .iter()
+            .enumerate()
+            .map(|(variable, &(samples, weight))| {
+                check_length(variable, samples.len(), len)?;
+                check_finite(variable, samples)?;
+                if !(weight.is_finite() && weight >= 0.0) {
+                    return Err(Error::Weight { variable, weight });
+                }
+                Variable::new(variable, samples, weight)
+            })
+            .collect::<Result<_, _>>()?;
+        variables.retain(|variable| variable.weight > 0.0);
+        Ok(Self { len, variables })
+    }
+
+    /// Number of samples `n`, at least 1.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "a series is never empty")]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    pub(crate) fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// One past the last sample up to which every variable keeps its value of `sample`.
+    pub(crate) fn constant_until(&self, sample: usize) -> usize {
+        self.variables
+            .iter()
+            .map(|variable| variable.run_end[sample])
+            .fold(self.len, usize::min)
+    }
+}
+
+impl Variable {
+    fn new(index: usize, samples: &[f64], weight: f64) -> Result<Self, Error> {
+        let limit = LARGEST_SUM / samples.len() as f64;
+        if let Some(sample) = samples.iter().position(|x| x.abs() > limit) {
+            return Err(Error::TooLarge {
+                variable: index,
+                sample,
+                value: samples[sample],
+                limit,
+            });
+        }
+        let steps: Vec<i64> = samples
+            .iter()
+            .map(|x| (x * STEPS_PER_UNIT).round_ties_even() as i64)
+            .collect();
+        let mut sums = Vec::with_capacity(steps.len() + 1);
+        let mut sum = 0;
+        sums.push(sum);
+        for x in &steps {
+            sum += x;
+            sums.push(sum);
+        }
+        let mut run_end = vec![steps.len(); steps.len()];
+        for i in (1..steps.len()).rev() {
+            run_end[i - 1] = if steps[i - 1] == steps[i] {
+                run_end[i]
+            } else {
+                i
+            };
+        }
+        Ok(Self {
+            weight,
+            steps,
+            sums,
+            run_end,
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp
+)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_what_it_cannot_hold() {
+        assert_eq!(Series::new(&[]).unwrap_err(), Error::NoVariables);
+        assert_eq!(Series::new(&[(&[], 1.0)]).unwrap_err(), Error::NoSamples);
+        assert_eq!(
+            Series::new(&[(&[1.0, 2.0], 1.0), (&[1.0], 1.0)]).unwrap_err(),
+            Error::Length {
+                variable: 1,
+                len: 1,
+                expected: 2
+            }
+        );
+        assert!(matches!(
+            Series::new(&[(&[1.0, f64::NAN], 1.0)]),
+            Err(Error::NotFinite {
+                variable: 0,
+                sample: 1,
+                ..
+            })
+        ));
+        for weight in [-1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                Series::new(&[(&[1.0], weight)]),
+                Err(Error::Weight { variable: 0, .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn bounds_the_magnitude_by_the_length() {
+        assert!(Series::new(&[(&[LARGEST_SUM], 1.0)]).is_ok());
+        assert_eq!(
+            Series::new(&[(&[0.0, -LARGEST_SUM], 1.0)]).unwrap_err(),
+            Error::TooLarge {
+                variable: 0,
+                sample: 1,
+                value: -LARGEST_SUM,
+                limit: LARGEST_SUM / 2.0
+            }
+        );
+    }
+
+    #[test]
+    fn joint_runs_end_where_any_variable_changes() {
+        let series =
+            Series::new(&[(&[1.0, 1.0, 1.0, 2.0], 1.0), (&[0.0, 0.0, 5.0, 5.0], 1.0)]).unwrap();
+        let ends: Vec<_> = (0..4).map(|i| series.constant_until(i)).collect();
+        assert_eq!(ends, [2, 2, 3, 4]);
+    }
+}

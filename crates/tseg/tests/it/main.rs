@@ -1,0 +1,13 @@
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stderr,
+    missing_docs
+)]
+
+mod laws;
+mod reference;
+mod regression;
+mod rivals;
