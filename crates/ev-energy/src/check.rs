@@ -1,0 +1,29 @@
+use crate::error::Error;
+
+/// Range checks of vehicle parameters, with the file or vehicle to blame.
+pub(crate) struct Checker<'a> {
+    pub(crate) origin: &'a str,
+}
+
+impl Checker<'_> {
+    /// The value, if it lies in `min..=max`.
+    pub(crate) fn range(
+        &self,
+        key: &'static str,
+        value: f64,
+        min: f64,
+        max: f64,
+    ) -> Result<f64, Error> {
+        if (min..=max).contains(&value) {
+            Ok(value)
+        } else {
+            Err(Error::Parameter {
+                origin: self.origin.to_owned(),
+                key,
+                value,
+                min,
+                max,
+            })
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Built-in vehicles. Each is a TOML file that says where its values come from; the same form works
+//! for files of one's own. The description and the sources of each are in
+//! [`VehicleSpec::sources`](crate::VehicleSpec::sources).
+
+use crate::error::Error;
+
+const FILES: [(&str, &str); 3] = [
+    ("b250e", include_str!("../vehicles/b250e.toml")),
+    (
+        "b250e-coast-down",
+        include_str!("../vehicles/b250e-coast-down.toml"),
+    ),
+    ("bmw-i3-60ah", include_str!("../vehicles/bmw-i3-60ah.toml")),
+];
+
+/// Names of the built-in vehicles, for [`Vehicle::builtin`](crate::Vehicle::builtin).
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|&(name, _)| name)
+}
+
+pub(crate) fn text(name: &str) -> Result<&'static str, Error> {
+    FILES
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|&(_, text)| text)
+        .ok_or_else(|| Error::UnknownVehicle {
+            name: name.to_owned(),
+            known: names().collect::<Vec<_>>().join(", "),
+        })
+}

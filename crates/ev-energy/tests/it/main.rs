@@ -1,0 +1,14 @@
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stderr,
+    missing_docs
+)]
+
+mod laws;
+mod limits;
+mod slope;
+mod vectors;
+mod vehicles;
