@@ -1,0 +1,64 @@
+//! Flags that say which acceleration phases count, shared by `fit`, `predict` and `evaluate`.
+
+use clap::Args;
+use driver_model::{PhaseSettings, Trip};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::flags::Context;
+use crate::inputs::Input;
+use crate::progress::Progress;
+
+#[derive(Debug, Clone, Args, Serialize)]
+#[command(next_help_heading = "Phases")]
+pub(crate) struct PhaseArgs {
+    /// Shortest acceleration phase that counts, in s
+    #[arg(long, default_value_t = 3.0, value_name = "S")]
+    pub(crate) min_duration: f64,
+    /// Least gain in speed of an acceleration phase that counts, in km/h
+    #[arg(long, default_value_t = 10.0, value_name = "KM/H")]
+    pub(crate) min_gain: f64,
+    /// Acceleration under this magnitude counts as 0 in the segmentation, in m/s²
+    #[arg(long, default_value_t = 0.4, value_name = "M/S2")]
+    accel_deadband: f64,
+    /// Elevation is smoothed over this distance to either side for the slope, in m
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    slope_bandwidth: f64,
+}
+
+impl PhaseArgs {
+    fn settings(&self) -> PhaseSettings {
+        let mut settings = PhaseSettings {
+            min_duration_s: self.min_duration,
+            min_gain_mps: self.min_gain / 3.6,
+            slope_bandwidth_m: self.slope_bandwidth,
+            ..PhaseSettings::default()
+        };
+        settings.statistical.accel_deadband_mps2 = self.accel_deadband;
+        settings
+    }
+
+    /// Finds the phases of every drive, in parallel.
+    pub(crate) fn trips(&self, inputs: &[Input], context: &Context) -> anyhow::Result<Vec<Trip>> {
+        let settings = self.settings();
+        let progress = Progress::new(context, "segmenting", inputs.len());
+        inputs
+            .par_iter()
+            .map(|input| {
+                let trip = Trip::from_drive(&input.drive, &settings)?;
+                progress.step();
+                Ok(trip)
+            })
+            .collect()
+    }
+}
+
+/// A vehicle by name, or from a file where the argument ends in `.toml`.
+pub(crate) fn vehicle(name: &str) -> anyhow::Result<ev_energy::Vehicle> {
+    let vehicle = if name.ends_with(".toml") {
+        ev_energy::Vehicle::read(std::path::Path::new(name))
+    } else {
+        ev_energy::Vehicle::builtin(name)
+    };
+    Ok(vehicle?)
+}

@@ -1,0 +1,164 @@
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::{Args, ValueEnum};
+use driver_model::ModelKind;
+use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
+use serde::Serialize;
+
+use super::phases::vehicle;
+use crate::exit::Outcome;
+use crate::flags::{Context, Format};
+use crate::output;
+use crate::render::json::Document;
+use crate::render::table::{Table, number};
+
+/// Simulated drives with known truth
+///
+/// A driver of known habits drives roads with speed limits, stops, hills and vehicles ahead. The logs are what a car
+/// would record; `truth.json` says what made them. Same settings, same bytes.
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit synth -o drives/ --noise
+  drivekit synth -o clean/ --driver inverse --variation 0 --no-leaders   fits recover the truth
+  drivekit synth -o many/ --drives 100 --seed 42 --file-format parquet")]
+pub(crate) struct SynthArgs {
+    /// Folder for drive-01.csv and so on, and truth.json
+    #[arg(short, long, value_name = "DIR")]
+    #[serde(skip)]
+    output: PathBuf,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of drives
+    #[arg(long, default_value_t = SynthSettings::default().drives, value_name = "N")]
+    drives: usize,
+    /// Duration of each drive, in s
+    #[arg(long, default_value_t = SynthSettings::default().duration_s, value_name = "S")]
+    duration: f64,
+    /// Sampling interval, in s
+    #[arg(long, default_value_t = SynthSettings::default().step_s, value_name = "S")]
+    step: f64,
+    /// Model by which the driver accelerates
+    #[arg(long, default_value_t = ModelKind::Profile, value_name = "KIND")]
+    driver: ModelKind,
+    /// How much phases differ: 0 not at all, 1 as with real drivers
+    #[arg(long, default_value_t = 1.0, value_name = "SHARE")]
+    variation: f64,
+    /// Noise of the sensors, and their resolution
+    #[arg(long)]
+    noise: bool,
+    /// No vehicles ahead
+    #[arg(long)]
+    no_leaders: bool,
+    /// Vehicle for battery volts and amps: a built-in name or a TOML file
+    #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]
+    vehicle: String,
+    /// Format of the logs
+    #[arg(long, value_enum, default_value_t = FileFormat::Csv)]
+    file_format: FileFormat,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum FileFormat {
+    Csv,
+    Parquet,
+}
+
+pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome> {
+    let vehicle = vehicle(&args.vehicle)?;
+    let settings = args.settings();
+    let drives = simulate(&settings, &vehicle)?;
+    let folder = &args.output;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    for drive in &drives {
+        write_drive(folder, drive, args.file_format)?;
+    }
+    let truth = serde_json::to_string(&Truth::new(&settings, &vehicle, &drives))?;
+    output::write_file(&folder.join("truth.json"), |out| {
+        Ok(writeln!(out, "{truth}")?)
+    })?;
+    match context.format {
+        Format::Json => {
+            let drives = drives.iter().map(Entry::new).collect();
+            output::print_json(&Document::new("synth", args, &[], Body { drives }))?;
+        }
+        Format::Text => output::print_text(&text(&drives, folder))?,
+    }
+    Ok(Outcome::Done)
+}
+
+impl SynthArgs {
+    fn settings(&self) -> SynthSettings {
+        SynthSettings {
+            seed: self.seed,
+            drives: self.drives,
+            duration_s: self.duration,
+            step_s: self.step,
+            driver: SimulatedDriver::with(self.driver),
+            variation: self.variation,
+            sensor_noise: self.noise,
+            leaders: !self.no_leaders,
+        }
+    }
+}
+
+fn write_drive(folder: &Path, drive: &SimulatedDrive, format: FileFormat) -> anyhow::Result<()> {
+    let suffix = match format {
+        FileFormat::Csv => "csv",
+        FileFormat::Parquet => "parquet",
+    };
+    let path = folder.join(format!("{}.{suffix}", drive.log.name()));
+    output::write_file(&path, |out| {
+        match format {
+            FileFormat::Csv => drive_log::write_csv(&drive.log, out)?,
+            FileFormat::Parquet => drive_log::write_parquet(&drive.log, out)?,
+        }
+        Ok(())
+    })
+}
+
+#[derive(Serialize)]
+struct Body {
+    drives: Vec<Entry>,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    name: String,
+    samples: usize,
+    distance_m: f64,
+    phases: usize,
+}
+
+impl Entry {
+    fn new(drive: &SimulatedDrive) -> Self {
+        Self {
+            name: drive.log.name().to_owned(),
+            samples: drive.log.len(),
+            distance_m: drive.log.distance_m().last().copied().unwrap_or(0.0),
+            phases: drive.phases.len(),
+        }
+    }
+}
+
+fn text(drives: &[SimulatedDrive], folder: &Path) -> String {
+    let mut table = Table::new(["drive", "samples", "km", "phases"]);
+    for entry in drives.iter().map(Entry::new) {
+        table.row([
+            entry.name,
+            entry.samples.to_string(),
+            number(entry.distance_m / 1e3, 2),
+            entry.phases.to_string(),
+        ]);
+    }
+    format!(
+        "{}\nwritten to {}, with truth.json: {} drives\n",
+        table.render(),
+        folder.display(),
+        drives.len()
+    )
+}

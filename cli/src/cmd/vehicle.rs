@@ -1,0 +1,226 @@
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::{Args, Subcommand};
+use ev_energy::{OperatingPoint, Vehicle, library};
+use serde::Serialize;
+
+use super::phases::vehicle;
+use crate::exit::Outcome;
+use crate::flags::{Context, Format};
+use crate::output;
+use crate::render::json::Document;
+use crate::render::table::{Table, number};
+
+/// Built-in vehicles, vehicle files and single operating points
+#[derive(Debug, Subcommand)]
+pub(crate) enum VehicleCommand {
+    /// Names of the built-in vehicles
+    List,
+    /// All parameters with their sources, as a vehicle file
+    #[command(after_help = "Example:\n  drivekit vehicle show b250e > my-car.toml")]
+    Show(ShowArgs),
+    /// Every force, torque and power at one operating point, or at many from a file
+    #[command(after_help = "\
+Examples:
+  drivekit vehicle point b250e --speed 13.9 --accel 0.5 --grade 0.02
+  drivekit vehicle point b250e --points points.csv --format json")]
+    Point(PointArgs),
+}
+
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct ShowArgs {
+    /// A built-in name or a TOML file
+    #[arg(value_name = "NAME|FILE")]
+    vehicle: String,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct PointArgs {
+    /// A built-in name or a TOML file
+    #[arg(value_name = "NAME|FILE")]
+    vehicle: String,
+    /// Speed in m/s
+    #[arg(
+        long,
+        required_unless_present = "points",
+        conflicts_with = "points",
+        value_name = "M/S"
+    )]
+    speed: Option<f64>,
+    /// Acceleration in m/s²
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_name = "M/S2"
+    )]
+    accel: f64,
+    /// Grade, the tangent of the slope angle
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_name = "TAN"
+    )]
+    grade: f64,
+    /// CSV with the columns speed_mps,accel_mps2,grade
+    #[arg(long, value_name = "FILE.csv")]
+    points: Option<PathBuf>,
+}
+
+pub(crate) fn run(command: &VehicleCommand, context: &Context) -> anyhow::Result<Outcome> {
+    match command {
+        VehicleCommand::List => list(context)?,
+        VehicleCommand::Show(args) => show(args, context)?,
+        VehicleCommand::Point(args) => point(args, context)?,
+    }
+    Ok(Outcome::Done)
+}
+
+#[derive(Serialize)]
+struct NoConfig {}
+
+fn list(context: &Context) -> anyhow::Result<()> {
+    let vehicles: Vec<Vehicle> = library::names()
+        .map(Vehicle::builtin)
+        .collect::<Result<_, _>>()?;
+    if context.format == Format::Json {
+        #[derive(Serialize)]
+        struct Body {
+            vehicles: Vec<&'static str>,
+        }
+        let vehicles = library::names().collect();
+        return output::print_json(&Document::new(
+            "vehicle",
+            &NoConfig {},
+            &[],
+            Body { vehicles },
+        ));
+    }
+    let mut table = Table::new(["name", "mass kg", "motor kW", "vehicle"]);
+    for (name, vehicle) in library::names().zip(&vehicles) {
+        let spec = vehicle.spec();
+        table.row([
+            name.to_owned(),
+            number(spec.mass_kg, 0),
+            number(spec.motor.max_power_w / 1e3, 0),
+            spec.description.clone(),
+        ]);
+    }
+    output::print_text(&table.render())
+}
+
+fn show(args: &ShowArgs, context: &Context) -> anyhow::Result<()> {
+    let vehicle = vehicle(&args.vehicle)?;
+    match context.format {
+        Format::Text => output::print_text(&vehicle.spec().to_toml()?),
+        Format::Json => {
+            #[derive(Serialize)]
+            struct Body<'a> {
+                vehicle: &'a ev_energy::VehicleSpec,
+            }
+            let body = Body {
+                vehicle: vehicle.spec(),
+            };
+            output::print_json(&Document::new("vehicle", args, &[], body))
+        }
+    }
+}
+
+fn point(args: &PointArgs, context: &Context) -> anyhow::Result<()> {
+    let vehicle = vehicle(&args.vehicle)?;
+    let requests = match (&args.points, args.speed) {
+        (Some(path), _) => read_points(path)?,
+        (None, Some(speed)) => vec![[speed, args.accel, args.grade]],
+        (None, None) => bail!("give --speed or --points"),
+    };
+    let points: Vec<OperatingPoint> = requests
+        .iter()
+        .map(|&[speed, accel, grade]| vehicle.operating_point(speed, accel, grade.atan()))
+        .collect();
+    match context.format {
+        Format::Text => output::print_text(&point_table(&requests, &points)),
+        Format::Json => match (&args.points, &points[..]) {
+            (None, [point]) => output::print_json(&Document::new("vehicle", args, &[], point)),
+            _ => {
+                #[derive(Serialize)]
+                struct Body<'a> {
+                    points: &'a [OperatingPoint],
+                }
+                let body = Body { points: &points };
+                output::print_json(&Document::new("vehicle", args, &[], body))
+            }
+        },
+    }
+}
+
+/// Lines of `speed_mps,accel_mps2,grade` under that header.
+fn read_points(path: &std::path::Path) -> anyhow::Result<Vec<[f64; 3]>> {
+    let file = path.display();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{file}`"))?;
+    let mut lines = text.lines().enumerate();
+    let header = lines
+        .next()
+        .map(|(_, line)| line.trim().trim_start_matches('\u{feff}'));
+    if header != Some("speed_mps,accel_mps2,grade") {
+        bail!("`{file}`, line 1: expected the header speed_mps,accel_mps2,grade");
+    }
+    lines
+        .filter(|(_, line)| !line.trim().is_empty())
+        .map(|(index, line)| {
+            let values: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
+            match values.as_deref() {
+                Ok(&[speed, accel, grade]) => Ok([speed, accel, grade]),
+                _ => bail!(
+                    "`{file}`, line {}: expected three numbers, found `{line}`",
+                    index + 1
+                ),
+            }
+        })
+        .collect()
+}
+
+fn point_table(requests: &[[f64; 3]], points: &[OperatingPoint]) -> String {
+    let mut table = Table::new([
+        "speed m/s",
+        "accel m/s²",
+        "wheel N",
+        "rolling N",
+        "aero N",
+        "grade N",
+        "motor rad/s",
+        "motor Nm",
+        "brakes N",
+        "motor W",
+        "electric W",
+        "battery A",
+        "battery W",
+        "limited",
+    ]);
+    for (&[speed, accel, _], p) in requests.iter().zip(points) {
+        let limited = match (p.limited.torque, p.limited.battery) {
+            (false, false) => "",
+            (true, false) => "torque",
+            (false, true) => "battery",
+            (true, true) => "torque, battery",
+        };
+        table.row([
+            number(speed, 3),
+            number(accel, 3),
+            number(p.wheel_force_n, 1),
+            number(p.rolling_n, 1),
+            number(p.aero_n, 1),
+            number(p.grade_n, 1),
+            number(p.motor_speed_rad_s, 1),
+            number(p.motor_torque_nm, 2),
+            number(p.friction_brake_n, 1),
+            number(p.motor_electric_w, 1),
+            number(p.electric_power_w, 1),
+            number(p.battery_current_a, 2),
+            number(p.battery_power_w, 1),
+            limited.to_owned(),
+        ]);
+    }
+    table.render()
+}

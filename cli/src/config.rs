@@ -1,0 +1,133 @@
+//! `--config FILE.toml` gives flags a default.
+//!
+//! The file is read before the command line is parsed for good, and its values become clap's defaults: a flag on the
+//! command line wins, and every value passes the same checks as a flag's.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{ArgAction, CommandFactory as _, FromArgMatches as _};
+use toml::{Table, Value};
+
+use crate::cli::Cli;
+
+/// Parses the command line, with defaults from the configuration file it names.
+pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<Cli> {
+    let args: Vec<OsString> = args.into_iter().collect();
+    let mut command = Cli::command();
+    if let Some(path) = config_path(&args) {
+        command = with_defaults(command, &path)?;
+    }
+    let matches = command.try_get_matches_from(args)?;
+    Ok(Cli::from_arg_matches(&matches)?)
+}
+
+fn config_path(args: &[OsString]) -> Option<PathBuf> {
+    let mut args = args.iter().skip(1).take_while(|arg| *arg != "--");
+    while let Some(arg) = args.next() {
+        if arg == "--config" {
+            return args.next().map(PathBuf::from);
+        }
+        if let Some(path) = arg.to_str().and_then(|a| a.strip_prefix("--config=")) {
+            return Some(PathBuf::from(path));
+        }
+    }
+    None
+}
+
+/// Top-level keys are flags of whichever subcommands have them; a table `[evaluate]` holds flags of that one alone.
+fn with_defaults(mut command: clap::Command, path: &Path) -> anyhow::Result<clap::Command> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the configuration `{}`", path.display()))?;
+    let table: Table = text
+        .parse()
+        .with_context(|| format!("`{}` is not TOML", path.display()))?;
+    for (key, value) in &table {
+        let place = format!("`{}`: key `{key}`", path.display());
+        command = match value {
+            Value::Table(flags) => with_subcommand_defaults(command, key, flags, path)?,
+            _ => with_default_everywhere(command, key, value).context(place)?,
+        };
+    }
+    Ok(command)
+}
+
+fn with_subcommand_defaults(
+    command: clap::Command,
+    name: &str,
+    flags: &Table,
+    path: &Path,
+) -> anyhow::Result<clap::Command> {
+    let Some(mut subcommand) = command.find_subcommand(name).cloned() else {
+        bail!("`{}`: no subcommand `{name}`", path.display());
+    };
+    for (key, value) in flags {
+        let place = format!("`{}`: key `{name}.{key}`", path.display());
+        if flag_id(&subcommand, key).is_none() {
+            bail!("{place}: `drivekit {name}` has no flag --{key}");
+        }
+        subcommand = with_default(subcommand, key, value).context(place)?;
+    }
+    Ok(command.mut_subcommand(name, |_| subcommand))
+}
+
+fn with_default_everywhere(
+    mut command: clap::Command,
+    key: &str,
+    value: &Value,
+) -> anyhow::Result<clap::Command> {
+    let owners: Vec<String> = command
+        .get_subcommands()
+        .filter(|sub| flag_id(sub, key).is_some())
+        .map(|sub| sub.get_name().to_owned())
+        .collect();
+    let global = flag_id(&command, key).is_some();
+    if owners.is_empty() && !global {
+        bail!("no subcommand has a flag --{key}");
+    }
+    for name in owners {
+        let subcommand = command
+            .find_subcommand(&name)
+            .cloned()
+            .with_context(|| format!("no subcommand `{name}`"))?;
+        let subcommand = with_default(subcommand, key, value)?;
+        command = command.mut_subcommand(&name, |_| subcommand);
+    }
+    if global {
+        command = with_default(command, key, value)?;
+    }
+    Ok(command)
+}
+
+fn with_default(command: clap::Command, key: &str, value: &Value) -> anyhow::Result<clap::Command> {
+    let Some(id) = flag_id(&command, key) else {
+        return Ok(command);
+    };
+    let values = texts(value)?;
+    Ok(command.mut_arg(id, |arg| match arg.get_action() {
+        ArgAction::Append => arg.default_values(values),
+        _ => arg.default_value(values.join(",")),
+    }))
+}
+
+fn flag_id(command: &clap::Command, key: &str) -> Option<String> {
+    command
+        .get_arguments()
+        .find(|arg| arg.get_long() == Some(key) && key != "config" && key != "help")
+        .map(|arg| arg.get_id().to_string())
+}
+
+fn texts(value: &Value) -> anyhow::Result<Vec<String>> {
+    Ok(match value {
+        Value::String(text) => vec![text.clone()],
+        Value::Integer(_) | Value::Float(_) | Value::Boolean(_) => vec![value.to_string()],
+        Value::Array(items) => {
+            let items: anyhow::Result<Vec<Vec<String>>> = items.iter().map(texts).collect();
+            items?.concat()
+        }
+        Value::Datetime(_) | Value::Table(_) => {
+            bail!("expected a text, a number, true, false or a list of these")
+        }
+    })
+}

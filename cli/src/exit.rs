@@ -1,0 +1,59 @@
+//! Exit codes: 0 done, 1 an honest negative, 2 an error.
+
+use std::io::Write;
+use std::process::ExitCode;
+
+/// How a run that did not fail ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Everything asked for was done.
+    Done,
+    /// Done, but a threshold given by the user was missed.
+    Negative,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Done => Self::SUCCESS,
+            Outcome::Negative => Self::from(1),
+        }
+    }
+}
+
+/// Turns a panic, which would be a bug of ours, into an error. Panics that a library catches itself, such as those of
+/// a decoder on a damaged file, print nothing.
+pub(crate) fn without_panic<T>(run: fn() -> anyhow::Result<T>) -> anyhow::Result<T> {
+    std::panic::set_hook(Box::new(|_| {}));
+    std::panic::catch_unwind(run).unwrap_or_else(|cause| {
+        let what = cause
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| cause.downcast_ref::<&str>().copied());
+        Err(anyhow::anyhow!(
+            "a bug in drivekit, please report it: {}",
+            what.unwrap_or("unknown panic")
+        ))
+    })
+}
+
+/// Prints an error with its causes to stderr. A reader that closed our stdout is not an error.
+pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
+    if let Some(usage) = error.downcast_ref::<clap::Error>() {
+        let _ = usage.print();
+        return ExitCode::from(u8::try_from(usage.exit_code()).unwrap_or(2));
+    }
+    let broken_pipe = error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    });
+    if broken_pipe {
+        return ExitCode::SUCCESS;
+    }
+    let _ = writeln!(
+        anstream::stderr().lock(),
+        "\u{1b}[1;31merror:\u{1b}[0m {error:#}"
+    );
+    ExitCode::from(2)
+}

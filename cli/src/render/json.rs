@@ -1,0 +1,34 @@
+//! The frame that every JSON document shares.
+
+use serde::Serialize;
+
+use crate::inputs::{Input, InputEntry};
+
+/// `schema`, `version`, `config`, `inputs`, then whatever the subcommand has to say.
+#[derive(Debug, Serialize)]
+pub(crate) struct Document<'a, C, B> {
+    schema: String,
+    version: &'static str,
+    config: &'a C,
+    inputs: Vec<InputEntry<'a>>,
+    #[serde(flatten)]
+    body: B,
+}
+
+impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
+    pub(crate) fn new(subcommand: &str, config: &'a C, inputs: &'a [Input], body: B) -> Self {
+        Self {
+            schema: format!("drivekit/{subcommand}/1"),
+            version: env!("CARGO_PKG_VERSION"),
+            config,
+            inputs: inputs.iter().map(Input::entry).collect(),
+            body,
+        }
+    }
+}
+
+/// A body with one entry per log, in input order.
+#[derive(Debug, Serialize)]
+pub(crate) struct Logs<T> {
+    pub(crate) logs: Vec<T>,
+}

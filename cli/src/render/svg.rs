@@ -1,0 +1,418 @@
+//! Recorded speed, coloured by driving phase, as an SVG picture (thesis figure 3.11).
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use driver_model::{Phase, PhaseKind};
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+/// What the drawing library may report.
+pub(crate) type PlotError = DrawingAreaErrorKind<std::io::Error>;
+type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Width of the picture in pixels.
+const WIDTH_PX: u32 = 1200;
+/// Height of one drive's panel, and of the legend above all panels.
+const PANEL_PX: u32 = 292;
+const LEGEND_PX: u32 = 44;
+/// The SVG backend rounds to whole units; a finer grid under a view box keeps slow ramps from becoming stairs.
+const UNITS_PER_PX: u32 = 4;
+/// The space left of the axes, and how much of it stays empty.
+const LEFT_PX: u32 = 68;
+const MARGIN_PX: u32 = 10;
+/// Drives in one picture at most.
+const MAX_PANELS: usize = 1000;
+/// Columns into which the samples of a drive are thinned.
+const COLUMNS: usize = WIDTH_PX as usize;
+/// Widths of lines in quarters of a pixel.
+const SPEED_LINE: u32 = 7;
+const LIMIT_LINE: u32 = 4;
+const FONT: &str = "system-ui, sans-serif";
+const INK: RGBColor = RGBColor(0x39, 0x42, 0x4c);
+const RULE: RGBColor = RGBColor(0xdd, 0xe1, 0xe5);
+const LIMIT: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
+const LEAD: RGBColor = BLACK;
+
+/// One drive: uniform samples of the speed and what was found in them.
+pub(crate) struct SpeedPlot<'a> {
+    pub(crate) title: &'a str,
+    /// Time of the first sample.
+    pub(crate) t0_s: f64,
+    pub(crate) step_s: f64,
+    /// Samples that are not finite leave a gap.
+    pub(crate) speed_mps: &'a [f64],
+    /// As long as the speed.
+    pub(crate) speed_limit_mps: Option<&'a [f64]>,
+    pub(crate) segments: &'a [Phase],
+}
+
+/// Green, red and blue as in the thesis, in shades that differ in lightness as well.
+fn phase_colour(kind: PhaseKind) -> RGBColor {
+    match kind {
+        PhaseKind::Acceleration => RGBColor(0x00, 0x9e, 0x73),
+        PhaseKind::Braking => RGBColor(0xc8, 0x2b, 0x1d),
+        PhaseKind::Cruise => RGBColor(0x1f, 0x6f, 0xd0),
+        PhaseKind::Other => RGBColor(0x9a, 0xa4, 0xae),
+    }
+}
+
+/// Black under a leader's influence, whatever the phase.
+fn colour(phase: &Phase) -> RGBColor {
+    if phase.lead_influenced {
+        LEAD
+    } else {
+        phase_colour(phase.kind)
+    }
+}
+
+/// Speed in km/h over time in s, a panel per drive from top to bottom, coloured by phase, with the segment boundaries as faint
+/// vertical lines and the speed limit as a thin step line. The result is the text of an SVG document. Of more than
+/// [`MAX_PANELS`] drives the first ones are drawn.
+///
+/// # Errors
+/// Where the drawing library fails; no content of `plots` makes it fail.
+pub(crate) fn speed_with_phases(plots: &[SpeedPlot<'_>]) -> Result<String, PlotError> {
+    let plots = plots.get(..MAX_PANELS).unwrap_or(plots);
+    let panels = plots.len().max(1);
+    let height_px = LEGEND_PX + PANEL_PX * panels as u32;
+    let mut picture = String::new();
+    {
+        let root = SVGBackend::with_string(
+            &mut picture,
+            (WIDTH_PX * UNITS_PER_PX, height_px * UNITS_PER_PX),
+        )
+        .into_drawing_area();
+        root.fill(&WHITE)?;
+        let (top, below) = root.split_vertically(units(LEGEND_PX));
+        draw_legend(&top, plots)?;
+        if plots.is_empty() {
+            draw_remark(&below, "no drive to show")?;
+        }
+        for (plot, area) in plots.iter().zip(below.split_evenly((panels, 1))) {
+            draw_panel(&area, plot)?;
+        }
+        root.present()?;
+    }
+    Ok(with_header(&picture, plots, height_px))
+}
+
+/// A length in pixels, in the units of the drawing.
+fn units(length_px: u32) -> i32 {
+    (length_px * UNITS_PER_PX) as i32
+}
+
+fn text(size_px: u32) -> TextStyle<'static> {
+    // The SVG backend divides the size by 1.24.
+    (FONT, f64::from(size_px * UNITS_PER_PX) * 1.24)
+        .into_font()
+        .color(&INK)
+}
+
+fn line(colour: RGBColor, quarter_px: u32) -> ShapeStyle {
+    colour.stroke_width(quarter_px * UNITS_PER_PX / 4)
+}
+
+fn draw_remark(area: &Canvas<'_>, remark: &str) -> Result<(), PlotError> {
+    area.draw_text(remark, &text(14), (units(LEFT_PX), units(PANEL_PX / 2)))
+}
+
+/// The phases and lines that occur in any of the plots.
+fn draw_legend(area: &Canvas<'_>, plots: &[SpeedPlot<'_>]) -> Result<(), PlotError> {
+    let segments = || plots.iter().flat_map(|plot| plot.segments);
+    let mut entries: Vec<(&str, RGBColor, u32)> = PhaseKind::ALL
+        .into_iter()
+        .filter(|phase| {
+            segments().any(|segment| segment.kind == *phase && !segment.lead_influenced)
+        })
+        .map(|phase| (phase.name(), phase_colour(phase), SPEED_LINE))
+        .collect();
+    if segments().any(|segment| segment.lead_influenced) {
+        entries.push(("lead-influenced", LEAD, SPEED_LINE));
+    }
+    if plots.iter().any(|plot| plot.speed_limit_mps.is_some()) {
+        entries.push(("speed limit", LIMIT, LIMIT_LINE));
+    }
+    let middle = units(LEGEND_PX / 2);
+    for ((name, colour, width), slot) in entries.into_iter().zip(0..) {
+        let left = units(LEFT_PX + slot * 170);
+        area.draw(&PathElement::new(
+            [(left, middle), (left + units(26), middle)],
+            line(colour, width),
+        ))?;
+        area.draw_text(name, &text(14), (left + units(34), middle - units(8)))?;
+    }
+    Ok(())
+}
+
+fn draw_panel(area: &Canvas<'_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+    area.draw_text(
+        &printable(plot.title),
+        &text(15),
+        (units(LEFT_PX), units(6)),
+    )?;
+    let Some(frame) = Frame::of(plot) else {
+        return draw_remark(area, "no samples to show");
+    };
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(units(32))
+        .margin_right(units(24))
+        .margin_left(units(MARGIN_PX))
+        .set_label_area_size(LabelAreaPosition::Left, units(LEFT_PX - MARGIN_PX))
+        .set_label_area_size(LabelAreaPosition::Bottom, units(48))
+        .build_cartesian_2d(frame.start_s..frame.end_s, frame.low_kmh..frame.high_kmh)?;
+    let digits = frame.time_digits();
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .bold_line_style(line(RULE, 4))
+        .light_line_style(TRANSPARENT)
+        .axis_style(line(INK, 3))
+        .set_all_tick_mark_size(units(4))
+        .x_labels(13)
+        .y_labels(6)
+        // Adding 0 turns a negative zero into a positive one.
+        .x_label_formatter(&|time_s| format!("{:.digits$}", time_s + 0.0))
+        .y_label_formatter(&|speed_kmh| format!("{:.0}", speed_kmh + 0.0))
+        .label_style(text(13))
+        .axis_desc_style(text(13))
+        .x_desc("time (s)")
+        .y_desc("speed (km/h)")
+        .draw()?;
+    draw_boundaries(&mut chart, plot, &frame)?;
+    draw_limit(&mut chart, plot)?;
+    draw_speed(&mut chart, plot)
+}
+
+/// The ranges of a panel's axes.
+struct Frame {
+    start_s: f64,
+    end_s: f64,
+    low_kmh: f64,
+    high_kmh: f64,
+}
+
+impl Frame {
+    /// `None` where there is nothing to see: fewer than two samples, none of them a speed, or a time that does not advance.
+    fn of(plot: &SpeedPlot<'_>) -> Option<Self> {
+        let (start_s, end_s) = (plot.t0_s, plot.time_s(plot.speed_mps.len().checked_sub(1)?));
+        let advances = end_s - start_s > 1e-9 * start_s.abs().max(end_s.abs());
+        let speeds = || {
+            plot.speed_mps
+                .iter()
+                .filter_map(|&speed_mps| kmh(speed_mps))
+        };
+        speeds().next()?;
+        let limits = plot
+            .speed_limit_mps
+            .unwrap_or_default()
+            .iter()
+            .filter_map(|&limit_mps| kmh(limit_mps));
+        let high_kmh = speeds().chain(limits).fold(10.0, f64::max) * 1.05;
+        let low_kmh = speeds().fold(0.0, f64::min);
+        (advances && end_s.is_finite()).then_some(Self {
+            start_s,
+            end_s,
+            low_kmh,
+            high_kmh,
+        })
+    }
+
+    /// Decimals of the labels of the time axis.
+    fn time_digits(&self) -> usize {
+        match self.end_s - self.start_s {
+            span_s if span_s < 1.0 => 3,
+            span_s if span_s < 12.0 => 1,
+            _ => 0,
+        }
+    }
+}
+
+impl SpeedPlot<'_> {
+    fn time_s(&self, index: usize) -> f64 {
+        self.t0_s + index as f64 * self.step_s
+    }
+
+    /// Samples per column of the picture, at least one.
+    fn stride(&self) -> usize {
+        self.speed_mps.len().div_ceil(COLUMNS).max(1)
+    }
+
+    /// The samples cut into ranges of one colour, in time order, each with the first sample of the next so that they join.
+    fn coloured_ranges(&self) -> Vec<(Range<usize>, RGBColor)> {
+        let count = self.speed_mps.len();
+        let mut segments: Vec<&Phase> = self
+            .segments
+            .iter()
+            .filter(|segment| segment.start < segment.end.min(count))
+            .collect();
+        segments.sort_by_key(|segment| segment.start);
+        let mut ranges = Vec::with_capacity(segments.len());
+        let mut covered = 0;
+        for segment in segments {
+            if covered < segment.start {
+                ranges.push((covered..segment.start + 1, phase_colour(PhaseKind::Other)));
+            }
+            covered = segment.end.min(count);
+            ranges.push((segment.start..(covered + 1).min(count), colour(segment)));
+        }
+        if covered < count {
+            ranges.push((covered..count, phase_colour(PhaseKind::Other)));
+        }
+        ranges
+    }
+}
+
+/// A speed that can be drawn: finite, and not so absurd (beyond a million km/h) that the axis would have no labels.
+fn kmh(speed_mps: f64) -> Option<f64> {
+    Some(speed_mps * 3.6).filter(|speed_kmh| speed_kmh.abs() < 1e6)
+}
+
+fn draw_boundaries(
+    chart: &mut Axes<'_, '_>,
+    plot: &SpeedPlot<'_>,
+    frame: &Frame,
+) -> Result<(), PlotError> {
+    let count = plot.speed_mps.len();
+    let ends = plot
+        .segments
+        .iter()
+        .flat_map(|segment| [segment.start, segment.end]);
+    // One line per column is all that can be seen.
+    let columns: BTreeMap<usize, usize> = ends
+        .filter(|&end| end > 0 && end < count)
+        .map(|end| (end / plot.stride(), end))
+        .collect();
+    for boundary in columns.into_values() {
+        let time_s = plot.time_s(boundary);
+        let ends = [(time_s, frame.low_kmh), (time_s, frame.high_kmh)];
+        chart
+            .plotting_area()
+            .draw(&PathElement::new(ends, line(RULE, 3)))?;
+    }
+    Ok(())
+}
+
+/// The limit as a step line, with a vertex only where it changes.
+fn draw_limit(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+    let limits = plot
+        .speed_limit_mps
+        .unwrap_or_default()
+        .iter()
+        .take(plot.speed_mps.len());
+    let mut steps: Vec<(f64, f64)> = Vec::new();
+    let mut previous = None;
+    for (index, limit) in limits
+        .map(|&limit_mps| kmh(limit_mps))
+        .chain([None])
+        .enumerate()
+    {
+        if limit != previous {
+            let time_s = plot.time_s(index.min(plot.speed_mps.len() - 1));
+            steps.extend(previous.map(|limit_kmh| (time_s, limit_kmh)));
+            steps.extend(limit.map(|limit_kmh| (time_s, limit_kmh)));
+            if limit.is_none() {
+                chart.plotting_area().draw(&PathElement::new(
+                    std::mem::take(&mut steps),
+                    line(LIMIT, LIMIT_LINE),
+                ))?;
+            }
+            previous = limit;
+        }
+    }
+    Ok(())
+}
+
+fn draw_speed(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+    for (range, colour) in plot.coloured_ranges() {
+        for run in thinned(plot.speed_mps, range, plot.stride()) {
+            let points: Vec<(f64, f64)> = run
+                .into_iter()
+                .map(|(index, speed_kmh)| (plot.time_s(index), speed_kmh))
+                .collect();
+            chart
+                .plotting_area()
+                .draw(&PathElement::new(points, line(colour, SPEED_LINE)))?;
+        }
+    }
+    Ok(())
+}
+
+/// The samples of a range as runs without gaps, thinned to the first, lowest, highest and last of every `stride` samples, which
+/// leaves the picture as it was.
+fn thinned(speed_mps: &[f64], range: Range<usize>, stride: usize) -> Vec<Vec<(usize, f64)>> {
+    let mut runs = vec![Vec::new()];
+    let samples = speed_mps
+        .get(range.clone())
+        .unwrap_or_default()
+        .iter()
+        .zip(range);
+    let points: Vec<(usize, Option<f64>)> =
+        samples.map(|(&speed, index)| (index, kmh(speed))).collect();
+    for gapless in points.chunk_by(|before, after| before.1.is_some() == after.1.is_some()) {
+        let drawable: Vec<(usize, f64)> = gapless
+            .iter()
+            .filter_map(|&(index, speed)| Some((index, speed?)))
+            .collect();
+        let columns = drawable.chunk_by(|before, after| before.0 / stride == after.0 / stride);
+        runs.push(columns.flat_map(extremes).collect());
+    }
+    runs.retain(|run: &Vec<_>| run.len() > 1);
+    runs
+}
+
+/// The first, lowest, highest and last of the points, in their order and each once.
+fn extremes(points: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let by_speed = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+    let chosen = [
+        points.first(),
+        points.iter().min_by(by_speed),
+        points.iter().max_by(by_speed),
+        points.last(),
+    ];
+    let mut chosen: Vec<(usize, f64)> = chosen.into_iter().flatten().copied().collect();
+    chosen.sort_by_key(|point| point.0);
+    chosen.dedup_by_key(|point| point.0);
+    chosen
+}
+
+/// Puts a size in pixels and a title for screen readers in place of the backend's own opening tag.
+fn with_header(picture: &str, plots: &[SpeedPlot<'_>], height_px: u32) -> String {
+    let body = picture.split_once('>').map_or("", |(_, body)| body);
+    let (width, height) = (WIDTH_PX * UNITS_PER_PX, height_px * UNITS_PER_PX);
+    let title = match plots {
+        [plot] => format!(
+            "Speed over time of {}, coloured by driving phase",
+            escaped(plot.title)
+        ),
+        _ => format!(
+            "Speed over time of {} drives, coloured by driving phase",
+            plots.len()
+        ),
+    };
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH_PX}\" height=\"{height_px}\" viewBox=\"0 0 {width} {height}\" \
+         role=\"img\" stroke-linejoin=\"round\">\n<title>{title}</title>{body}"
+    )
+}
+
+/// The text without the characters that XML cannot hold.
+fn printable(text: &str) -> String {
+    text.replace(
+        |character: char| character.is_control() || matches!(character, '\u{fffe}' | '\u{ffff}'),
+        "\u{fffd}",
+    )
+}
+
+fn escaped(text: &str) -> String {
+    printable(text)
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+mod tests;

@@ -1,0 +1,64 @@
+//! Which crate may depend on which; docs/architecture.md draws the same arrows.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+const ALLOWED: [(&str, &[&str]); 5] = [
+    ("drive-log", &[]),
+    ("tseg", &[]),
+    ("ev-energy", &[]),
+    ("driver-model", &["drive-log", "ev-energy", "tseg"]),
+    (
+        "drivekit",
+        &["drive-log", "driver-model", "ev-energy", "tseg"],
+    ),
+];
+
+#[test]
+fn crates_depend_only_on_those_below_them() {
+    let output = Command::new(env!("CARGO"))
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+        ])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    let members: BTreeSet<&str> = packages
+        .iter()
+        .map(|p| p["name"].as_str().unwrap())
+        .collect();
+    let found: BTreeMap<&str, BTreeSet<&str>> = packages
+        .iter()
+        .map(|package| {
+            let dependencies = package["dependencies"].as_array().unwrap();
+            let inside = dependencies
+                .iter()
+                .map(|d| d["name"].as_str().unwrap())
+                .filter(|name| members.contains(name))
+                .collect();
+            (package["name"].as_str().unwrap(), inside)
+        })
+        .collect();
+    let allowed: BTreeMap<&str, BTreeSet<&str>> = ALLOWED
+        .iter()
+        .map(|(name, below)| (*name, below.iter().copied().collect()))
+        .collect();
+    assert_eq!(
+        found.keys().collect::<Vec<_>>(),
+        allowed.keys().collect::<Vec<_>>(),
+        "a crate is missing here or in the workspace"
+    );
+    for (name, below) in &found {
+        assert!(
+            below.is_subset(&allowed[name]),
+            "{name} depends on {below:?}, allowed are {:?}",
+            allowed[name]
+        );
+    }
+}

@@ -1,0 +1,20 @@
+//! The program as its users run it, a module per theme.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp
+)]
+
+mod architecture;
+mod bad_input;
+mod documents;
+mod energy;
+mod evaluate;
+mod fit_predict;
+mod flags;
+mod inspect;
+mod program;
+mod segment;
+mod synth;

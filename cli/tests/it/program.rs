@@ -1,0 +1,84 @@
+//! Running the program.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+pub(crate) struct Run {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+pub(crate) fn drivekit(args: &[&str]) -> Run {
+    run(Command::new(env!("CARGO_BIN_EXE_drivekit"))
+        .args(args)
+        .stdin(Stdio::null())
+        .output())
+}
+
+pub(crate) fn drivekit_in(folder: &Path, args: &[&str]) -> Run {
+    run(Command::new(env!("CARGO_BIN_EXE_drivekit"))
+        .args(args)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .output())
+}
+
+fn run(output: std::io::Result<Output>) -> Run {
+    let output = output.unwrap();
+    Run {
+        code: output.status.code().expect("not killed by a signal"),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+impl Run {
+    pub(crate) fn ok(self) -> Self {
+        assert_eq!(self.code, 0, "{}", self.stderr);
+        self
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap()
+    }
+
+    /// An error as it should be: exit code 2, no panic, and each of the words in its message.
+    pub(crate) fn refused(&self, words: &[&str]) {
+        assert_eq!(
+            self.code, 2,
+            "stdout {} stderr {}",
+            self.stdout, self.stderr
+        );
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        assert!(self.stdout.is_empty(), "{}", self.stdout);
+        for word in words {
+            assert!(
+                self.stderr.contains(word),
+                "no `{word}` in: {}",
+                self.stderr
+            );
+        }
+    }
+}
+
+pub(crate) fn fixture(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../fixtures")
+        .join(name);
+    path.to_str().unwrap().to_owned()
+}
+
+/// Recorded data beside the project, where it is at hand.
+pub(crate) fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../shared")
+        .join(name);
+    if !path.exists() {
+        eprintln!("skipped: no {name} beside the project");
+        return None;
+    }
+    Some(path)
+}

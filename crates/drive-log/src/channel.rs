@@ -1,0 +1,113 @@
+//! The channels that a recording can have.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use crate::unit::Quantity;
+
+/// A recorded quantity. Values are in SI units, percent for the state of charge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Vehicle speed, m/s.
+    Speed,
+    /// Recorded longitudinal acceleration, m/s².
+    Accel,
+    /// Speed limit of the road, m/s.
+    SpeedLimit,
+    /// Slope of the road, rad, positive uphill.
+    Slope,
+    /// Elevation above sea level, m.
+    Elevation,
+    /// Distance to the vehicle ahead, bumper to bumper, m.
+    LeadGap,
+    /// Speed of the vehicle ahead, m/s.
+    LeadSpeed,
+    /// Voltage at the battery terminals, V.
+    BatteryVoltage,
+    /// Battery current, A, positive while discharging.
+    BatteryCurrent,
+    /// State of charge, percent.
+    StateOfCharge,
+    /// Torque at the motor shaft, N·m.
+    MotorTorque,
+    /// Electric power of the auxiliaries, air conditioning included, W.
+    AuxPower,
+    /// Electric power of the heater, W.
+    HeatingPower,
+}
+
+impl Channel {
+    /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
+    pub const ALL: [Channel; 13] = [
+        Channel::Speed,
+        Channel::Accel,
+        Channel::SpeedLimit,
+        Channel::Slope,
+        Channel::Elevation,
+        Channel::LeadGap,
+        Channel::LeadSpeed,
+        Channel::BatteryVoltage,
+        Channel::BatteryCurrent,
+        Channel::StateOfCharge,
+        Channel::MotorTorque,
+        Channel::AuxPower,
+        Channel::HeatingPower,
+    ];
+
+    /// The canonical header: what the channel is and its unit, `speed_mps`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Channel::Speed => "speed_mps",
+            Channel::Accel => "accel_mps2",
+            Channel::SpeedLimit => "speed_limit_mps",
+            Channel::Slope => "grade_rad",
+            Channel::Elevation => "elevation_m",
+            Channel::LeadGap => "lead_gap_m",
+            Channel::LeadSpeed => "lead_speed_mps",
+            Channel::BatteryVoltage => "battery_voltage_v",
+            Channel::BatteryCurrent => "battery_current_a",
+            Channel::StateOfCharge => "soc_pct",
+            Channel::MotorTorque => "motor_torque_nm",
+            Channel::AuxPower => "aux_power_w",
+            Channel::HeatingPower => "heating_power_w",
+        }
+    }
+
+    /// The canonical header without its unit, as layout files name the channel.
+    pub(crate) fn key(self) -> &'static str {
+        let name = self.name();
+        name.rsplit_once('_').map_or(name, |(key, _)| key)
+    }
+
+    pub(crate) fn from_key(key: &str) -> Option<Channel> {
+        Channel::ALL.into_iter().find(|c| c.key() == key)
+    }
+
+    pub(crate) fn quantity(self) -> Quantity {
+        match self {
+            Channel::Speed | Channel::SpeedLimit | Channel::LeadSpeed => Quantity::Speed,
+            Channel::Accel => Quantity::Acceleration,
+            Channel::Slope => Quantity::Slope,
+            Channel::Elevation | Channel::LeadGap => Quantity::Length,
+            Channel::BatteryVoltage => Quantity::Voltage,
+            Channel::BatteryCurrent => Quantity::Current,
+            Channel::StateOfCharge => Quantity::Share,
+            Channel::MotorTorque => Quantity::Torque,
+            Channel::AuxPower | Channel::HeatingPower => Quantity::Power,
+        }
+    }
+}
+
+impl fmt::Display for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for Channel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}

@@ -1,0 +1,310 @@
+//! What can go wrong between a file and a drive.
+
+use std::path::PathBuf;
+
+/// Why a recording could not be read, prepared or written. Every message says what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file could not be opened or read.
+    #[error("{}: {source}; check the path and its permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The output could not be written.
+    #[error("{log}: cannot be written: {source}")]
+    Write {
+        /// The log.
+        log: String,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A gzip or zstd stream is damaged or cut short.
+    #[error("{}: damaged {codec} stream: {source}; copy or compress the file again", path.display())]
+    Compressed {
+        /// The file.
+        path: PathBuf,
+        /// `gzip` or `zstd`.
+        codec: &'static str,
+        /// What the decoder said.
+        source: std::io::Error,
+    },
+    /// The content is larger than what is read into memory.
+    #[error("{}: more than {limit_bytes} bytes after decompression; split the file", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        limit_bytes: u64,
+    },
+    /// The content is not text that can be read.
+    #[error("{}: {found} at byte {byte}; save the log as CSV in UTF-8 or Latin-1, or as Parquet", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// What was found instead.
+        found: &'static str,
+        /// Where, after decompression.
+        byte: usize,
+    },
+    /// There is no row of data.
+    #[error("{}: {found}; a log needs a header and at least one row", path.display())]
+    NoData {
+        /// The file.
+        path: PathBuf,
+        /// What is there instead.
+        found: &'static str,
+    },
+    /// More columns than any log has.
+    #[error("{}: {columns} columns, at most {limit} are read; is this one log with a row per sample?", path.display())]
+    TooManyColumns {
+        /// The file.
+        path: PathBuf,
+        /// Columns of the first line.
+        columns: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A row has another number of fields than the header, or another delimiter.
+    #[error(
+        "{}, line {line}: {found} fields where {expected} are expected with the delimiter {delimiter:?}; \
+         complete or delete the line, and use one delimiter throughout",
+        path.display()
+    )]
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Fields found.
+        found: usize,
+        /// Fields of the header.
+        expected: usize,
+        /// The delimiter.
+        delimiter: char,
+    },
+    /// A cell of a used column is not a number.
+    #[error(
+        "{}, line {line}, column {header:?}: {text:?} is not a number; correct it, or leave the cell empty where the value is missing",
+        path.display()
+    )]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1; row for Parquet.
+        line: usize,
+        /// Header of the column.
+        header: String,
+        /// What is in the cell.
+        text: String,
+    },
+    /// A clock time is not a time.
+    #[error("{}, line {line}, column {header:?}: {text:?} is not a time; write it as HH:MM:SS", path.display())]
+    Clock {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Header of the column.
+        header: String,
+        /// What is in the cell.
+        text: String,
+    },
+    /// No layout knows these headers.
+    #[error(
+        "{}: no known layout has these headers: {found}; use the canonical headers (time_s, speed_mps, …), \
+         or write a layout file: time = {{ header = \"…\", unit = \"s\" }} and, under [channels], \
+         speed = {{ header = \"…\", unit = \"km/h\" }}",
+        path.display()
+    )]
+    UnknownLayout {
+        /// The file.
+        path: PathBuf,
+        /// The headers, the first twenty.
+        found: String,
+    },
+    /// No built-in layout has this name.
+    #[error("there is no layout {name:?}; known layouts: {known}")]
+    UnknownLayoutName {
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A column that the layout needs is not there.
+    #[error("{}: no column for {channel} ({wanted}) among {found}; add or rename a column, or choose another layout", path.display())]
+    MissingColumn {
+        /// The file.
+        path: PathBuf,
+        /// The channel, or `time`.
+        channel: &'static str,
+        /// Headers that would do.
+        wanted: String,
+        /// The headers, the first twenty.
+        found: String,
+    },
+    /// Two columns could be the same channel.
+    #[error("{}: the columns {first:?} and {second:?} are both {channel}; rename or delete one", path.display())]
+    DuplicateColumn {
+        /// The file.
+        path: PathBuf,
+        /// The channel, or `time`.
+        channel: &'static str,
+        /// One column.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A canonical header with a unit that is not known.
+    #[error("{}: the unit of column {header:?} is not known; known suffixes for {channel}: {known}", path.display())]
+    UnknownUnit {
+        /// The file.
+        path: PathBuf,
+        /// The header.
+        header: String,
+        /// The channel without its unit, or `time`.
+        channel: &'static str,
+        /// Suffixes that would do.
+        known: String,
+    },
+    /// A layout file that does not describe a layout.
+    #[error("layout {name}: {problem}")]
+    Layout {
+        /// Name of the layout.
+        name: String,
+        /// What is wrong and what to write instead.
+        problem: String,
+    },
+    /// A Parquet file that cannot be read.
+    #[error("{}: damaged or unsupported Parquet file: {problem}; write the file again", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        problem: String,
+    },
+    /// A Parquet column that does not hold numbers.
+    #[error("{}: column {header:?} holds {found}, not numbers; store it as a float or an integer", path.display())]
+    ColumnType {
+        /// The file.
+        path: PathBuf,
+        /// Name of the column.
+        header: String,
+        /// Its type.
+        found: String,
+    },
+    /// Most of the time column runs backward.
+    #[error(
+        "{}: time runs backward in {backward} of {samples} steps, first at {at_s} s; is {header:?} the right time column?",
+        path.display()
+    )]
+    BackwardTime {
+        /// The file.
+        path: PathBuf,
+        /// Header of the time column.
+        header: String,
+        /// Steps that run backward.
+        backward: usize,
+        /// Samples of the log.
+        samples: usize,
+        /// Time of the first such step.
+        at_s: f64,
+    },
+    /// There is no speed at all.
+    #[error("{log}: {channel} is missing in all {samples} samples; a drive needs a recorded speed")]
+    NoSpeed {
+        /// The log, or the file.
+        log: String,
+        /// The channel.
+        channel: &'static str,
+        /// Samples of the log.
+        samples: usize,
+    },
+    /// A channel does not have as many samples as time.
+    #[error("{log}: {channel} has {found} samples where {expected} are expected")]
+    Length {
+        /// The log.
+        log: String,
+        /// The channel, or `time`.
+        channel: &'static str,
+        /// Samples of the channel.
+        found: usize,
+        /// Samples of the log.
+        expected: usize,
+    },
+    /// A value that must be finite is not.
+    #[error("{log}: {channel} is {value} at sample {index}; it must be finite")]
+    NotFinite {
+        /// The log.
+        log: String,
+        /// The channel, or `time`.
+        channel: &'static str,
+        /// Sample, from 0.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// An option without meaning.
+    #[error("{option} = {value}: {expected}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// `raw` was asked of a log that is not uniform.
+    #[error(
+        "{log}: not uniform: {found} at {at_s} s (sample {index}), where the step is {step_s} s; leave out the raw option to have it resampled"
+    )]
+    NotUniform {
+        /// The log.
+        log: String,
+        /// Sample, from 0.
+        index: usize,
+        /// Its time.
+        at_s: f64,
+        /// The step of the log.
+        step_s: f64,
+        /// What was found there.
+        found: String,
+    },
+    /// No two valid samples are close enough to make a drive.
+    #[error(
+        "{log}: {samples} samples, but no two with a valid speed within {max_gap_s} s of each other; allow longer gaps, or check the log"
+    )]
+    NoPiece {
+        /// The log.
+        log: String,
+        /// Samples of the log.
+        samples: usize,
+        /// Longest gap that is bridged.
+        max_gap_s: f64,
+    },
+    /// The grid would have too many samples.
+    #[error(
+        "{log}: {duration_s} s in steps of {step_s} s are more than {limit} samples; choose a longer step, or check the time column"
+    )]
+    TooManySamples {
+        /// The log.
+        log: String,
+        /// Duration.
+        duration_s: f64,
+        /// The step.
+        step_s: f64,
+        /// The limit.
+        limit: usize,
+    },
+    /// A log could not be encoded as Parquet.
+    #[error("{log}: cannot be encoded as Parquet: {problem}")]
+    Encode {
+        /// The log.
+        log: String,
+        /// What the encoder said.
+        problem: String,
+    },
+}

@@ -1,0 +1,155 @@
+//! What is wrong with a recording.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::Channel;
+
+/// Something wrong with a recording, where, and what was done about it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// What it is.
+    pub kind: FindingKind,
+    /// Canonical name of the channel, or `time`.
+    pub channel: String,
+    /// Time of the first sample concerned, s.
+    pub from_s: f64,
+    /// Time of the last sample concerned, s.
+    pub to_s: f64,
+    /// The figures that led to it.
+    pub detail: String,
+    /// What was done.
+    pub action: Action,
+}
+
+impl Finding {
+    pub(crate) fn of_time(
+        kind: FindingKind,
+        span_s: (f64, f64),
+        action: Action,
+        detail: String,
+    ) -> Finding {
+        Finding {
+            kind,
+            channel: "time".to_owned(),
+            from_s: span_s.0,
+            to_s: span_s.1,
+            detail,
+            action,
+        }
+    }
+
+    pub(crate) fn of_channel(
+        kind: FindingKind,
+        channel: Channel,
+        span_s: (f64, f64),
+        action: Action,
+        detail: String,
+    ) -> Finding {
+        Finding {
+            kind,
+            channel: channel.name().to_owned(),
+            from_s: span_s.0,
+            to_s: span_s.1,
+            detail,
+            action,
+        }
+    }
+}
+
+/// Kinds of findings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FindingKind {
+    /// A date that the calendar does not have.
+    InvalidDate,
+    /// No time.
+    MissingTime,
+    /// The same time twice.
+    RepeatedTime,
+    /// Time runs backward.
+    BackwardTime,
+    /// Time without a valid speed, longer than the recording's step.
+    TimeGap,
+    /// Values that are not there.
+    Missing,
+    /// Values that the quantity cannot have.
+    OutOfRange,
+    /// A value that does not change while it must.
+    Frozen,
+    /// Two recordings joined: a jump that no vehicle makes.
+    Splice,
+    /// A short excursion that no vehicle makes.
+    Spike,
+    /// One exact value in isolated pulses: a code, not a measurement.
+    Sentinel,
+    /// A block of elevation that the road cannot have.
+    AltitudeOutlier,
+    /// A value that is constant for most of the drive where it cannot be.
+    Pinned,
+    /// Discharge recorded as negative current.
+    CurrentSign,
+    /// Too short to be a drive.
+    TooShort,
+}
+
+/// What was done about a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Action {
+    /// Nothing.
+    Kept,
+    /// The values were set to missing.
+    Removed,
+    /// The values were interpolated from their neighbours.
+    Interpolated,
+    /// The drive was cut there.
+    Split,
+    /// The samples were put in order.
+    Sorted,
+    /// The samples, or the whole channel, were left out.
+    Dropped,
+    /// The sign was flipped.
+    SignFlipped,
+}
+
+impl fmt::Display for FindingKind {
+    /// In words, such as `altitude outlier`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            FindingKind::InvalidDate => "invalid date",
+            FindingKind::MissingTime => "missing time",
+            FindingKind::RepeatedTime => "repeated time",
+            FindingKind::BackwardTime => "backward time",
+            FindingKind::TimeGap => "time gap",
+            FindingKind::Missing => "missing",
+            FindingKind::OutOfRange => "out of range",
+            FindingKind::Frozen => "frozen",
+            FindingKind::Splice => "splice",
+            FindingKind::Spike => "spike",
+            FindingKind::Sentinel => "sentinel",
+            FindingKind::AltitudeOutlier => "altitude outlier",
+            FindingKind::Pinned => "pinned",
+            FindingKind::CurrentSign => "current sign",
+            FindingKind::TooShort => "too short",
+        })
+    }
+}
+
+impl fmt::Display for Action {
+    /// In words, such as `sign flipped`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Action::Kept => "kept",
+            Action::Removed => "removed",
+            Action::Interpolated => "interpolated",
+            Action::Split => "split",
+            Action::Sorted => "sorted",
+            Action::Dropped => "dropped",
+            Action::SignFlipped => "sign flipped",
+        })
+    }
+}

@@ -1,0 +1,252 @@
+//! Which column is which channel, in which unit.
+
+use std::path::Path;
+
+use crate::described::Described;
+use crate::unit::Unit;
+use crate::{Channel, Error, canonical, cycle_table, openacc};
+
+/// Which layout a file is read with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LayoutChoice {
+    /// Recognised from the header.
+    Auto,
+    /// The built-in layout of this name, one of [`Layout::BUILT_IN`].
+    Named(String),
+    /// A layout of the user's own, see [`Layout::from_toml_str`].
+    Described(Layout),
+}
+
+/// Says which column of a file is which channel, in which unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    name: String,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    Canonical,
+    Described(Box<Described>),
+    OpenAcc,
+    CycleTable,
+}
+
+const DESCRIBED: [(&str, &str); 4] = [
+    ("bmw-i3", include_str!("layouts/bmw-i3.toml")),
+    ("rsk-twizy", include_str!("layouts/rsk-twizy.toml")),
+    ("igdir", include_str!("layouts/igdir.toml")),
+    ("cycles", include_str!("layouts/cycles.toml")),
+];
+
+impl Layout {
+    /// Names of the built-in layouts.
+    ///
+    /// - `canonical`: `time_s` or `t`, `speed_mps`, `speed_kmh` or `v`, …: the suffix is the unit
+    ///   ([`Channel::name`]).
+    /// - `bmw-i3`: BMW i3 trips, doi:10.21227/6jr9-5235; current becomes positive while
+    ///   discharging.
+    /// - `rsk-twizy`: Renault Twizy trips with the date and the clock as text.
+    /// - `openacc`: platoons of the JRC OpenACC campaigns, a log per car.
+    /// - `igdir`: time in s, speed in km/h and acceleration without a header.
+    /// - `cycles`: driving cycles, either `cycSecs,cycMps,cycGrade` or the European table in km/h
+    ///   with a log per column.
+    pub const BUILT_IN: [&'static str; 6] = [
+        "canonical",
+        "bmw-i3",
+        "rsk-twizy",
+        "openacc",
+        "igdir",
+        "cycles",
+    ];
+
+    /// A layout described in TOML:
+    ///
+    /// ```
+    /// let layout = drive_log::Layout::from_toml_str("my-logger", r#"
+    ///     delimiter = ";"        # sniffed if left out, as is
+    ///     decimal = ","          # the decimal mark
+    ///     skip_lines = 2         # lines before the header
+    ///     time = { header = "Zeit [ms]", unit = "ms" }
+    ///
+    ///     [channels]
+    ///     speed = { header = "Velocity [km/h]", unit = "km/h" }
+    ///     battery_current = { header = "I_bat", unit = "A", sign = -1 }
+    /// "#)?;
+    /// # Ok::<(), drive_log::Error>(())
+    /// ```
+    ///
+    /// The keys of `channels` are canonical headers without their unit. Headers are compared
+    /// without regard to case, blanks and kind of brackets. Without a header (`no_header = true`)
+    /// give `column = 1` and so on in place of `header`. Time as text is `time = { date = "Date",
+    /// clock = "Time" }`, with dates as MM/DD/YYYY or YYYY-MM-DD.
+    ///
+    /// # Errors
+    /// [`Error::Layout`] for anything that is not such a description, with what is wrong and what
+    /// is known.
+    pub fn from_toml_str(name: &str, text: &str) -> Result<Layout, Error> {
+        let described = Described::from_toml_str(name, text, true)?;
+        Ok(Layout {
+            name: name.to_owned(),
+            kind: Kind::Described(Box::new(described)),
+        })
+    }
+
+    /// Name of the layout.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn built_in(name: &str) -> Result<Vec<Layout>, Error> {
+        let of = |kind| Layout {
+            name: name.to_owned(),
+            kind,
+        };
+        let mut layouts = Vec::new();
+        if let Some((_, text)) = DESCRIBED.iter().find(|(known, _)| *known == name) {
+            layouts.push(of(Kind::Described(Box::new(Described::from_toml_str(
+                name, text, false,
+            )?))));
+        }
+        match name {
+            "canonical" => layouts.push(of(Kind::Canonical)),
+            "openacc" => layouts.push(of(Kind::OpenAcc)),
+            "cycles" => layouts.push(of(Kind::CycleTable)),
+            _ => {}
+        }
+        Ok(layouts)
+    }
+
+    /// The layouts that may apply to a file, in the order in which they are tried.
+    pub(crate) fn candidates(choice: &LayoutChoice) -> Result<Vec<Layout>, Error> {
+        match choice {
+            LayoutChoice::Described(layout) => Ok(vec![layout.clone()]),
+            LayoutChoice::Named(name) if Layout::BUILT_IN.contains(&name.as_str()) => {
+                Layout::built_in(name)
+            }
+            LayoutChoice::Named(name) => Err(Error::UnknownLayoutName {
+                name: name.clone(),
+                known: Layout::BUILT_IN.join(", "),
+            }),
+            LayoutChoice::Auto => {
+                let mut layouts = Vec::new();
+                for name in Layout::BUILT_IN {
+                    layouts.extend(Layout::built_in(name)?);
+                }
+                Ok(layouts)
+            }
+        }
+    }
+
+    /// How the text is laid out, as far as the layout says.
+    pub(crate) fn form(&self) -> Form {
+        match &self.kind {
+            Kind::Described(described) => described.form,
+            Kind::OpenAcc => Form {
+                skip_lines: openacc::LINES_BEFORE_HEADER,
+                ..Form::default()
+            },
+            Kind::Canonical | Kind::CycleTable => Form::default(),
+        }
+    }
+
+    /// Whether a file with these headers is meant for this layout.
+    pub(crate) fn claims(&self, head: &Head) -> bool {
+        match &self.kind {
+            Kind::Canonical => canonical::claims(&head.headers),
+            Kind::Described(described) => described.claims(head),
+            Kind::OpenAcc => openacc::claims(head),
+            Kind::CycleTable => cycle_table::claims(&head.headers),
+        }
+    }
+
+    /// Which columns to read, and what they become.
+    pub(crate) fn plan(&self, path: &Path, head: &Head) -> Result<Plan, Error> {
+        match &self.kind {
+            Kind::Canonical => canonical::plan(path, &head.headers),
+            Kind::Described(described) => described.plan(path, head),
+            Kind::OpenAcc => openacc::plan(path, head),
+            Kind::CycleTable => cycle_table::plan(path, &head.headers),
+        }
+    }
+}
+
+/// How a text file is laid out; what is `None` is sniffed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Form {
+    pub(crate) delimiter: Option<u8>,
+    pub(crate) decimal_comma: Option<bool>,
+    pub(crate) skip_lines: usize,
+    pub(crate) no_header: bool,
+}
+
+/// What stands before the data.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Head {
+    /// Lines before the header.
+    pub(crate) preamble: Vec<String>,
+    /// One per column; numbers where the file has no header.
+    pub(crate) headers: Vec<String>,
+    pub(crate) has_header: bool,
+}
+
+impl Head {
+    /// The headers for a message: quoted, the first twenty.
+    pub(crate) fn listed(&self) -> String {
+        list(&self.headers)
+    }
+}
+
+/// Headers for a message: quoted, the first twenty, cut at sixty characters.
+pub(crate) fn list(headers: &[String]) -> String {
+    let mut text: Vec<String> = headers
+        .iter()
+        .take(20)
+        .map(|h| format!("{:?}", h.chars().take(60).collect::<String>()))
+        .collect();
+    if headers.len() > 20 {
+        text.push(format!("… ({} in all)", headers.len()));
+    }
+    text.join(", ")
+}
+
+/// What to read from a file, and what it becomes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Plan {
+    pub(crate) time: TimeColumns,
+    pub(crate) logs: Vec<LogPlan>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum TimeColumns {
+    Number { column: usize, unit: Unit },
+    DateAndClock { date: usize, clock: usize },
+}
+
+/// One log of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LogPlan {
+    /// What follows `#` in the log's name, where a file holds several logs.
+    pub(crate) part: Option<String>,
+    pub(crate) columns: Vec<ChannelColumn>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ChannelColumn {
+    pub(crate) channel: Channel,
+    pub(crate) column: usize,
+    pub(crate) unit: Unit,
+    pub(crate) sign: f64,
+}
+
+impl ChannelColumn {
+    pub(crate) fn new(channel: Channel, column: usize, unit: Unit) -> ChannelColumn {
+        ChannelColumn {
+            channel,
+            column,
+            unit,
+            sign: 1.0,
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! From a recording to drives.
+
+use crate::log::positive;
+use crate::resample::{drives, uniform};
+use crate::{DriveLog, Error, Finding, RawLog, Smoothing, check};
+
+/// How a recording becomes drives. The default is the thesis's (section 3.4): 10 Hz, Hann window of
+/// 5 samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preparation {
+    /// Step of the grid, s. Default 0.1.
+    pub step_s: f64,
+    /// Smoothing of the speed. Default `hann:5`.
+    pub smooth: Smoothing,
+    /// Longest time without a valid value that is interpolated, s; at longer ones the drive is cut.
+    /// Default 2.
+    pub max_gap_s: f64,
+    /// Take a uniform recording as it is: no repair, no resampling, no smoothing. Default false.
+    pub raw: bool,
+}
+
+impl Default for Preparation {
+    fn default() -> Preparation {
+        Preparation {
+            step_s: 0.1,
+            smooth: Smoothing::Hann(5),
+            max_gap_s: 2.0,
+            raw: false,
+        }
+    }
+}
+
+/// What a recording became.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Drive {
+    /// Name of the recording.
+    pub name: String,
+    /// The drives, at least one; several where the recording was cut.
+    pub pieces: Vec<DriveLog>,
+    /// What is wrong with the recording and what was done about it, in the order of time.
+    pub findings: Vec<Finding>,
+    /// Samples of the recording.
+    pub samples: usize,
+    /// Median step of the recording, s.
+    pub step_s: f64,
+}
+
+/// Checks a recording, cuts it where it has no valid speed for longer than
+/// [`Preparation::max_gap_s`], resamples each piece to the grid `t_i = t0 + i·step` and smooths its
+/// speed.
+///
+/// The grid of a piece starts at its first valid sample. Values between samples are interpolated
+/// linearly, except the speed limit, which holds. A sample within 10⁻⁶ steps of a grid point is
+/// taken over exactly, so a log that is on the grid already passes unchanged.
+///
+/// # Errors
+/// [`Error::Option`] for options without meaning, [`Error::NoPiece`] if no two valid samples are
+/// close enough, [`Error::TooManySamples`] for a grid that does not fit into memory; with `raw`,
+/// [`Error::NotUniform`].
+pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
+    positive("step_s", options.step_s)?;
+    positive("max_gap_s", options.max_gap_s)?;
+    let (name, samples, step_s) = (
+        log.name().to_owned(),
+        log.len(),
+        median_step_s(log.time_s()),
+    );
+    if options.raw {
+        let findings = log.findings.clone();
+        return Ok(Drive {
+            name,
+            pieces: vec![uniform(log, options.step_s)?],
+            findings,
+            samples,
+            step_s,
+        });
+    }
+    let checked = check(log);
+    let (pieces, findings) = drives(checked, options)?;
+    Ok(Drive {
+        name,
+        pieces,
+        findings,
+        samples,
+        step_s,
+    })
+}
+
+/// The (lower) median of the forward steps, s; 0 for fewer than two samples.
+pub(crate) fn median_step_s(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| *step > 0.0)
+        .collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = (steps.len() - 1) / 2;
+    let step_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // without the rounding of the difference of two times
+    (step_s * 1e9).round() / 1e9
+}

@@ -1,0 +1,161 @@
+//! Heating power that is no power.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::{Checked, constant_runs};
+use crate::{Action, Channel, FindingKind};
+
+/// A pulse: shorter than this, s, and higher than what is around it by this, W. Heaters ramp over
+/// seconds.
+const PULSE_S: f64 = 3.0;
+const PULSE_W: f64 = 1000.0;
+
+/// Pulses of one exact value that make it a code.
+const PULSES: usize = 3;
+
+/// Share of a pulse's height that the battery must deliver for the pulse to be true.
+const FELT_SHARE: f64 = 0.5;
+
+/// Time before and after a pulse against which the battery power is compared, s.
+const AROUND_S: f64 = 0.5;
+
+/// A heater regulates; one that draws the same for this share of the drive and this long, s, does
+/// not. Below the power, W, it is off.
+const PINNED_SHARE: f64 = 0.5;
+const PINNED_S: f64 = 300.0;
+const OFF_W: f64 = 50.0;
+
+/// Removes a value that comes in pulses again and again, to the last bit, and that the battery does
+/// not feel.
+pub(super) fn remove_sentinel(checked: &mut Checked) {
+    let Some(power_w) = checked.values(Channel::HeatingPower) else {
+        return;
+    };
+    let mut pulses: BTreeMap<u64, Vec<Range<usize>>> = BTreeMap::new();
+    for run in constant_runs(power_w) {
+        let around_w = (run.start > 0)
+            .then(|| power_w[run.start - 1])
+            .zip(power_w.get(run.end).copied());
+        let value_w = power_w[run.start];
+        let is_pulse =
+            around_w.is_some_and(|(a, b)| value_w > a + PULSE_W && value_w > b + PULSE_W);
+        if is_pulse && checked.duration_s(&run) < PULSE_S {
+            pulses.entry(value_w.to_bits()).or_default().push(run);
+        }
+    }
+    let Some((bits, pulses)) = pulses.into_iter().max_by_key(|(_, pulses)| pulses.len()) else {
+        return;
+    };
+    let (Some(first), Some(last)) = (pulses.first(), pulses.last()) else {
+        return;
+    };
+    if pulses.len() < PULSES {
+        return;
+    }
+    let range = first.start..last.end;
+    let value_w = f64::from_bits(bits);
+    let pulsed = format!("{} pulses of exactly {value_w} W", pulses.len());
+    match felt_share(checked, &pulses) {
+        Some(share) if share < FELT_SHARE => {
+            let samples: Vec<usize> = (0..power_w.len())
+                .filter(|&i| power_w[i].to_bits() == bits)
+                .collect();
+            let detail = format!(
+                "{pulsed}, of which the battery delivers {:.0} %; {} samples",
+                100.0 * share,
+                samples.len()
+            );
+            for i in samples {
+                checked.remove(Channel::HeatingPower, i..i + 1);
+            }
+            checked.report(
+                FindingKind::Sentinel,
+                Channel::HeatingPower,
+                &range,
+                Action::Removed,
+                detail,
+            );
+        }
+        Some(_) => {}
+        // a heater switched on and off looks the same
+        None => checked.report(
+            FindingKind::Sentinel,
+            Channel::HeatingPower,
+            &range,
+            Action::Kept,
+            pulsed,
+        ),
+    }
+}
+
+/// Median over the pulses of the battery's extra power over the pulse's height: the drive itself
+/// changes the power within a second by more than a pulse, in both directions. `None` without volts
+/// and amps.
+fn felt_share(checked: &Checked, pulses: &[Range<usize>]) -> Option<f64> {
+    let (voltage_v, current_a) = (
+        checked.values(Channel::BatteryVoltage)?,
+        checked.values(Channel::BatteryCurrent)?,
+    );
+    let (power_w, time_s) = (checked.values(Channel::HeatingPower)?, checked.log.time_s());
+    let battery_w = |range: Range<usize>| mean(range.map(|i| voltage_v[i] * current_a[i]));
+    let mut shares = Vec::with_capacity(pulses.len());
+    for pulse in pulses {
+        let start_s = time_s[pulse.start] - AROUND_S;
+        let end_s = time_s[pulse.end - 1] + AROUND_S;
+        let before = time_s.partition_point(|t| *t < start_s)..pulse.start;
+        let after = pulse.end..time_s.partition_point(|t| *t <= end_s);
+        if let (Some(during), Some(before), Some(after)) = (
+            battery_w(pulse.clone()),
+            battery_w(before),
+            battery_w(after),
+        ) {
+            let height_w =
+                power_w[pulse.start] - 0.5 * (power_w[pulse.start - 1] + power_w[pulse.end]);
+            shares.push((during - 0.5 * (before + after)) / height_w);
+        }
+    }
+    let middle = shares.len() / 2;
+    (!shares.is_empty()).then(|| *shares.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for value in values.filter(|v| v.is_finite()) {
+        sum += value;
+        count += 1;
+    }
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// Drops a heating channel that has one value for most of the drive.
+pub(super) fn drop_pinned(checked: &mut Checked) {
+    let Some(power_w) = checked.values(Channel::HeatingPower) else {
+        return;
+    };
+    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+    for run in constant_runs(power_w) {
+        *counts.entry(power_w[run.start].to_bits()).or_default() += run.len();
+    }
+    let finite: usize = counts.values().sum();
+    let Some((bits, count)) = counts.into_iter().max_by_key(|(_, count)| *count) else {
+        return;
+    };
+    let value_w = f64::from_bits(bits);
+    let samples = 0..power_w.len();
+    let pinned_s = checked.duration_s(&samples) * count as f64 / power_w.len() as f64;
+    if value_w > OFF_W && count as f64 >= PINNED_SHARE * finite as f64 && pinned_s >= PINNED_S {
+        let detail = format!(
+            "{value_w} W in {:.0} % of the samples",
+            100.0 * count as f64 / finite as f64
+        );
+        checked.report(
+            FindingKind::Pinned,
+            Channel::HeatingPower,
+            &samples,
+            Action::Dropped,
+            detail,
+        );
+        checked.log.channels.remove(&Channel::HeatingPower);
+    }
+}

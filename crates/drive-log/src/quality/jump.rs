@@ -1,0 +1,197 @@
+//! Jumps that no vehicle makes.
+
+use std::ops::Range;
+
+use super::Checked;
+use crate::{Action, Channel, FindingKind};
+
+/// Acceleration that tyres cannot transmit, m/s², and what a coarse sensor may add in one step,
+/// m/s.
+const TYRE_LIMIT_MPS2: f64 = 10.0;
+const COARSE_STEP_MPS: f64 = 1.0;
+
+/// Braking that is hard but ordinary, m/s²: enough to tell that a jump of the charge is not the
+/// estimator's alone.
+const HARD_BRAKING_MPS2: f64 = 5.0;
+
+/// Longest step between two samples that are compared, s.
+const NEIGHBOURS_S: f64 = 2.0;
+
+/// A jump that is undone within this time is a spike, not a splice, s.
+const SPIKE_S: f64 = 2.0;
+
+/// Samples that are searched for the end of an outlier at most: a minute at 100 Hz.
+const MAX_BLOCK: usize = 6000;
+
+/// State of charge: 1.5 % in a step of at most 2 s is a rate of 27 per hour, beyond any traction
+/// battery, and above the resolution of 1 % that some recorders have.
+const CHARGE_STEP_PCT: f64 = 1.5;
+
+/// The steepest streets rise by 35 m in 100 m.
+const STEEPEST: f64 = 0.35;
+
+/// What satellite navigation may be wrong by from one fix to the next, m: usually, and after a loss
+/// of reception.
+const ALTITUDE_SPIKE_M: f64 = 5.0;
+const ALTITUDE_BLOCK_M: f64 = 40.0;
+
+/// Longest stretch that counts as an outlier of altitude, s: longer, it may be a hill.
+const ALTITUDE_BLOCK_S: f64 = 60.0;
+
+/// Removes spikes of the speed and cuts where two recordings were joined.
+pub(super) fn cut_speed(checked: &mut Checked) {
+    let speed_mps = checked.log.speed_mps().to_vec();
+    let time_s = checked.log.time_s().to_vec();
+    let mut before: Option<usize> = None;
+    let mut i = 0;
+    while i < speed_mps.len() {
+        if speed_mps[i].is_nan() {
+            i += 1;
+            continue;
+        }
+        if let Some(p) = before {
+            let (step_s, jump_mps) = (time_s[i] - time_s[p], speed_mps[i] - speed_mps[p]);
+            if step_s <= NEIGHBOURS_S && jump_mps.abs() > TYRE_LIMIT_MPS2 * step_s + COARSE_STEP_MPS
+            {
+                let back =
+                    |j: &usize| (speed_mps[*j] - speed_mps[p]).abs() <= 0.25 * jump_mps.abs();
+                let spike_end = following(&time_s, i, SPIKE_S).find(back);
+                i = report_jump(checked, i, spike_end, (speed_mps[p], speed_mps[i], step_s));
+            }
+        }
+        before = Some(i);
+        i += 1;
+    }
+}
+
+/// The samples after `i`, up to `within_s` later.
+fn following(time_s: &[f64], i: usize, within_s: f64) -> impl Iterator<Item = usize> {
+    (i + 1..time_s.len())
+        .take(MAX_BLOCK)
+        .take_while(move |&j| time_s[j] - time_s[i] <= within_s)
+}
+
+/// Removes the spike or cuts before `at`; returns the sample to go on with.
+fn report_jump(
+    checked: &mut Checked,
+    at: usize,
+    spike_end: Option<usize>,
+    (from, to, step_s): (f64, f64, f64),
+) -> usize {
+    let detail = format!("speed from {from:.2} to {to:.2} m/s in {step_s:.2} s");
+    if let Some(end) = spike_end {
+        checked.report(
+            FindingKind::Spike,
+            Channel::Speed,
+            &(at..end),
+            Action::Removed,
+            detail,
+        );
+        checked.remove(Channel::Speed, at..end);
+        return end;
+    }
+    checked.report(
+        FindingKind::Splice,
+        Channel::Speed,
+        &(at - 1..at + 1),
+        Action::Split,
+        detail,
+    );
+    checked.cuts.push(at);
+    at
+}
+
+/// Reports jumps of the state of charge; cuts where the speed jumps with it.
+pub(super) fn cut_state_of_charge(checked: &mut Checked) {
+    let Some(soc_pct) = checked.values(Channel::StateOfCharge) else {
+        return;
+    };
+    let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
+    let mut jumps = Vec::new();
+    for i in 1..soc_pct.len() {
+        let (step_s, step_pct) = (time_s[i] - time_s[i - 1], soc_pct[i] - soc_pct[i - 1]);
+        if step_s <= NEIGHBOURS_S && step_pct.abs() > CHARGE_STEP_PCT {
+            let cut = (speed_mps[i] - speed_mps[i - 1]).abs() > HARD_BRAKING_MPS2 * step_s;
+            jumps.push((
+                i,
+                cut,
+                format!(
+                    "state of charge from {} to {} % in {step_s:.2} s",
+                    soc_pct[i - 1],
+                    soc_pct[i]
+                ),
+            ));
+        }
+    }
+    for (i, cut, detail) in jumps {
+        let action = if cut { Action::Split } else { Action::Kept };
+        checked.report(
+            FindingKind::Splice,
+            Channel::StateOfCharge,
+            &(i - 1..i + 1),
+            action,
+            detail,
+        );
+        if cut {
+            checked.cuts.push(i);
+        }
+    }
+}
+
+/// Removes stretches of elevation that a jump enters and a jump leaves; reports large jumps that
+/// are not undone.
+pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
+    let Some(elevation_m) = checked.values(Channel::Elevation).map(<[f64]>::to_vec) else {
+        return;
+    };
+    let distance_m = checked.distance_m();
+    let time_s = checked.log.time_s().to_vec();
+    let mut before: Option<usize> = None;
+    let mut i = 0;
+    while i < elevation_m.len() {
+        if elevation_m[i].is_nan() {
+            i += 1;
+            continue;
+        }
+        if let Some(p) = before {
+            let jump_m = (elevation_m[i] - elevation_m[p]).abs()
+                - STEEPEST * (distance_m[i] - distance_m[p]);
+            if jump_m > ALTITUDE_SPIKE_M && time_s[i] - time_s[p] <= NEIGHBOURS_S {
+                let longest_s = if jump_m > ALTITUDE_BLOCK_M {
+                    ALTITUDE_BLOCK_S
+                } else {
+                    SPIKE_S
+                };
+                let back = |j: &usize| (elevation_m[*j] - elevation_m[p]).abs() <= 0.5 * jump_m;
+                let end = following(&time_s, i, longest_s).find(back);
+                let detail = format!("elevation from {} to {} m", elevation_m[p], elevation_m[i]);
+                if let Some(end) = end {
+                    remove_block(checked, i..end, detail);
+                    i = end;
+                } else if jump_m > ALTITUDE_BLOCK_M {
+                    let range = i - 1..i + 1;
+                    checked.report(
+                        FindingKind::AltitudeOutlier,
+                        Channel::Elevation,
+                        &range,
+                        Action::Kept,
+                        detail,
+                    );
+                }
+            }
+        }
+        before = Some(i);
+        i += 1;
+    }
+}
+
+fn remove_block(checked: &mut Checked, block: Range<usize>, detail: String) {
+    checked.report(
+        FindingKind::AltitudeOutlier,
+        Channel::Elevation,
+        &block,
+        Action::Removed,
+        detail,
+    );
+    checked.remove(Channel::Elevation, block);
+}

@@ -1,0 +1,242 @@
+//! Text tables: encoding, delimiter, decimal mark and header.
+
+use std::borrow::Cow;
+use std::io::BufRead;
+use std::path::Path;
+
+use crate::Error;
+use crate::layout::{Form, Head};
+
+/// Columns of a file at most. Real logs have tens; a row per channel instead of a row per sample
+/// has millions.
+pub(crate) const MAX_COLUMNS: usize = 10_000;
+
+/// Rows that decide on delimiter and decimal mark.
+const SNIFFED_ROWS: usize = 20;
+
+/// A text table whose form is known.
+#[derive(Debug)]
+pub(crate) struct Table<'a> {
+    pub(crate) head: Head,
+    pub(crate) delimiter: u8,
+    /// `None` if no number seen so far has a decimal mark.
+    pub(crate) decimal_comma: Option<bool>,
+    /// The rows.
+    pub(crate) body: &'a [u8],
+    /// Line of the first row, from 1.
+    pub(crate) first_line: usize,
+}
+
+/// The text without its byte order mark, if it is text.
+pub(crate) fn checked_text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8], Error> {
+    let not_text = |found, byte| Error::NotText {
+        path: path.to_owned(),
+        found,
+        byte,
+    };
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(not_text("UTF-16 text", 0));
+    }
+    if text.trim_ascii().is_empty() {
+        return Err(Error::NoData {
+            path: path.to_owned(),
+            found: "an empty file",
+        });
+    }
+    if text.contains(&0) {
+        let byte = text.iter().position(|b| *b == 0).unwrap_or_default();
+        // ASCII characters in UTF-16 have a zero in every other byte
+        let utf16 =
+            text.len() > 3 && (text[0] == 0) != (text[1] == 0) && (text[0] == 0) == (text[2] == 0);
+        return Err(not_text(
+            if utf16 {
+                "UTF-16 text"
+            } else {
+                "a NUL byte (binary data)"
+            },
+            byte,
+        ));
+    }
+    Ok(text)
+}
+
+/// Text as UTF-8, or else as Latin-1.
+pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
+    }
+}
+
+/// The fields of a line, trimmed and without quotes. A blank delimiter stands for any run of
+/// blanks.
+pub(crate) fn fields(line: &str, delimiter: u8) -> Vec<&str> {
+    if delimiter == b' ' {
+        return line.split_ascii_whitespace().collect();
+    }
+    let mut quoted = false;
+    line.split(|c| {
+        quoted ^= c == '"';
+        c == char::from(delimiter) && !quoted
+    })
+    .map(|field| field.trim().trim_matches('"').trim())
+    .collect()
+}
+
+/// Lines with their number from 1, blank ones left out, line ends cut off.
+pub(crate) fn lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let mut rest = text;
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        while !rest.is_empty() {
+            let (line, after) = rest.split_at(line_len(rest));
+            (rest, number) = (after, number + 1);
+            let line = line.trim_ascii_end();
+            if !line.is_empty() {
+                return Some((number, line));
+            }
+        }
+        None
+    })
+}
+
+/// Bytes of the first line with its end. Reading from a slice cannot fail, and searches several
+/// bytes at a time.
+fn line_len(mut text: &[u8]) -> usize {
+    text.skip_until(b'\n').unwrap_or(text.len())
+}
+
+/// Finds delimiter, decimal mark and header, as far as the layout's `form` leaves them open.
+pub(crate) fn table<'a>(path: &Path, text: &'a [u8], form: Form) -> Result<Table<'a>, Error> {
+    let mut after_preamble = lines(text).skip_while(|(line, _)| *line <= form.skip_lines);
+    let Some((header_line, first)) = after_preamble.next() else {
+        return Err(Error::NoData {
+            path: path.to_owned(),
+            found: "no header",
+        });
+    };
+    check_columns(path, first, form.delimiter)?;
+    let rows: Vec<Cow<'_, str>> = std::iter::once(first)
+        .chain(after_preamble.map(|(_, row)| row).take(SNIFFED_ROWS))
+        .map(decoded)
+        .collect();
+    let delimiter = form.delimiter.unwrap_or_else(|| sniffed_delimiter(&rows));
+    let decimal_comma = form
+        .decimal_comma
+        .or_else(|| sniffed_decimal_comma(&rows, delimiter));
+
+    let mut headers: Vec<String> = fields(&rows[0], delimiter)
+        .into_iter()
+        .map(str::to_owned)
+        .collect();
+    let has_header = !form.no_header && !headers.iter().all(|h| number(h, delimiter).is_some());
+    if has_header {
+        while headers.last().is_some_and(String::is_empty) {
+            headers.pop();
+        }
+    } else {
+        headers = (1..=headers.len())
+            .map(|column| format!("column {column}"))
+            .collect();
+    }
+    let skipped = if has_header {
+        header_line
+    } else {
+        header_line - 1
+    };
+    let body = after_lines(text, skipped).trim_ascii_end();
+    if body.is_empty() {
+        return Err(Error::NoData {
+            path: path.to_owned(),
+            found: "a header without rows",
+        });
+    }
+    let preamble = lines(text)
+        .take_while(|(line, _)| *line <= form.skip_lines)
+        .map(|(_, line)| decoded(line).into_owned())
+        .collect();
+    let head = Head {
+        preamble,
+        headers,
+        has_header,
+    };
+    Ok(Table {
+        head,
+        delimiter,
+        decimal_comma,
+        body,
+        first_line: skipped + 1,
+    })
+}
+
+/// Counts before anything is built, so that a file with a row per channel fails at once.
+fn check_columns(path: &Path, line: &[u8], delimiter: Option<u8>) -> Result<(), Error> {
+    for candidate in delimiter.map_or(vec![b',', b';', b'\t', b' '], |d| vec![d]) {
+        let columns = line.iter().filter(|b| **b == candidate).count() + 1;
+        if columns > MAX_COLUMNS {
+            return Err(Error::TooManyColumns {
+                path: path.to_owned(),
+                columns,
+                limit: MAX_COLUMNS,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The text after its first `count` lines.
+fn after_lines(text: &[u8], count: usize) -> &[u8] {
+    (0..count).fold(text, |rest, _| &rest[line_len(rest)..])
+}
+
+/// The delimiter that gives every sniffed row as many fields as the header; the comma comes after
+/// `;` and tab since it may be the decimal mark. Where none fits, the one that cuts the header into
+/// the most fields: reading then names the odd row.
+fn sniffed_delimiter(rows: &[Cow<'_, str>]) -> u8 {
+    let candidates = [b';', b'\t', b',', b' '];
+    let count =
+        |row: &str, delimiter| fields(row.trim_end_matches(char::from(delimiter)), delimiter).len();
+    let fits = |delimiter: u8| {
+        let columns = count(&rows[0], delimiter);
+        columns > 1
+            && rows[1..].iter().all(|row| {
+                fields(row, delimiter).len() == columns || count(row, delimiter) == columns
+            })
+    };
+    candidates
+        .into_iter()
+        .find(|d| fits(*d))
+        .unwrap_or_else(|| {
+            candidates
+                .into_iter()
+                .rev()
+                .max_by_key(|d| count(&rows[0], *d))
+                .unwrap_or(b',')
+        })
+}
+
+fn sniffed_decimal_comma(rows: &[Cow<'_, str>], delimiter: u8) -> Option<bool> {
+    let body = rows.iter().skip(1).flat_map(|row| fields(row, delimiter));
+    body.filter(|field| number(field, delimiter).is_some())
+        .find_map(decimal_mark)
+}
+
+/// Whether the decimal mark of a number is a comma; `None` if it has none.
+pub(crate) fn decimal_mark(field: &str) -> Option<bool> {
+    field
+        .bytes()
+        .find(|b| matches!(b, b',' | b'.'))
+        .map(|b| b == b',')
+}
+
+/// A number with a decimal point, or a decimal comma where the comma does not delimit.
+pub(crate) fn number(field: &str, delimiter: u8) -> Option<f64> {
+    if delimiter != b',' && field.contains(',') {
+        if field.contains('.') {
+            return None;
+        }
+        return field.replacen(',', ".", 1).parse().ok();
+    }
+    field.parse().ok()
+}

@@ -1,0 +1,90 @@
+/// What can go wrong between recorded drives and an evaluated model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is not enough to learn from.
+    #[error(
+        "cannot fit `{model}`: {found} {unit} to learn from, at least {needed} needed; \
+         add drives or lower --min-duration and --min-gain"
+    )]
+    TooFewPhases {
+        /// Model name.
+        model: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+        /// What is counted, in words.
+        unit: &'static str,
+    },
+    /// Leave-one-trip-out needs at least two trips.
+    #[error("leave-one-trip-out needs at least 2 drives with speed, found {found}; add logs")]
+    TooFewTrips {
+        /// How many there are.
+        found: usize,
+    },
+    /// A rule or option is outside its range.
+    #[error("{name} = {value} is not usable: {expected}")]
+    Option {
+        /// Name of the option.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is accepted, in words.
+        expected: &'static str,
+    },
+    /// A model file holds a parameter that no fit can produce.
+    #[error("model `{model}`: {name} = {value} is not usable: {expected}")]
+    Parameter {
+        /// Model name.
+        model: &'static str,
+        /// Parameter name.
+        name: &'static str,
+        /// What was found.
+        value: f64,
+        /// What is accepted, in words.
+        expected: String,
+    },
+    /// A model file is not one of ours, or not of a version this program reads.
+    #[error("not a usable model file: {reason}")]
+    ModelFile {
+        /// What was found, and what to do.
+        reason: String,
+    },
+    /// The optimiser stopped without a usable point.
+    #[error("fitting `{model}` failed: {reason}")]
+    Fit {
+        /// Model name.
+        model: &'static str,
+        /// The optimiser's reason.
+        reason: String,
+    },
+    /// From segmentation.
+    #[error(transparent)]
+    Segmentation(#[from] tseg::Error),
+    /// From the drive log.
+    #[error(transparent)]
+    Log(#[from] drive_log::Error),
+    /// From the vehicle model.
+    #[error(transparent)]
+    Energy(#[from] ev_energy::Error),
+}
+
+impl Error {
+    /// Refuses an option that is not finite or not at least `lowest`.
+    pub(crate) fn unless_at_least(
+        name: &'static str,
+        value: f64,
+        lowest: f64,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if value.is_finite() && value >= lowest {
+            return Ok(());
+        }
+        Err(Self::Option {
+            name,
+            value,
+            expected,
+        })
+    }
+}

@@ -1,0 +1,74 @@
+//! How a driver accelerates, learnt from recorded drives, and how well that predicts drives it has not seen.
+//!
+//! Of an acceleration phase a model may know the speed `v0` at its start, its duration `T` and, some, the speed `v_end`
+//! at its end; it answers with the speed `v(t)`, `0 ≤ t ≤ T`:
+//!
+//! ```text
+//! inverse       v̇ = 1/(p1 v + p2)                            knows v0, T           function fit on segment means
+//! exponential   v̇ = p0·e^(−p1 v) + p2                        knows v0, T           the same; p0 = 1 as printed
+//! rise-time     v = v0 + K(1 − (1 + t/T_c)e^(−t/T_c))         knows v0, v_end, T    K = v_end − v0, T_c per speed group
+//! profile       v = v0 + (v_end − v0)·s(t/T)                  knows v0, v_end, T    s is the driver's mean shape
+//! baselines     constant (v0, T), straight and smoothstep (v0, v_end, T)
+//! ```
+//!
+//! The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels ([`HeuristicRules`]) and its segments by
+//! statistics ([`StatisticalRules`]), those under a leader's influence left out; [`DriverModel::fit`] learns from a
+//! [`TrainingSet`]; [`leave_one_trip_out`] holds every trip out once and sums up in an [`Evaluation`].
+//!
+//! # Example
+//!
+//! ```
+//! use driver_model::synth::{SynthSettings, simulate};
+//! use driver_model::{EvaluationSettings, PhaseSettings, Trip, leave_one_trip_out};
+//! use drive_log::Drive;
+//!
+//! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
+//! let settings = SynthSettings { drives: 3, duration_s: 200.0, ..SynthSettings::default() };
+//! let trips = simulate(&settings, &vehicle)?
+//!     .into_iter()
+//!     .map(|simulated| Trip::from_drive(&Drive::from(simulated.log), &PhaseSettings::default()))
+//!     .collect::<Result<Vec<_>, _>>()?;
+//!
+//! let evaluation = leave_one_trip_out(&trips, &vehicle, &EvaluationSettings::default(), &|| {})?;
+//! for (model, figures) in evaluation.models.iter().zip(&evaluation.summaries) {
+//!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", figures.rmse_mps * 3.6, figures.in_band_pct);
+//! }
+//! # Ok::<(), driver_model::Error>(())
+//! ```
+//!
+//! # References
+//!
+//! - Equation, table and figure numbers are those of the thesis that drivekit implements, chapters 3.2 to 3.4, with its
+//!   corrections.
+//! - A. R. Conn, N. I. M. Gould, P. L. Toint: Trust-Region Methods. SIAM, 2000.
+//! - M. Treiber, A. Hennecke, D. Helbing: Congested traffic states in empirical observations and microscopic
+//!   simulations. Physical Review E 62, 2000. The simulated drivers follow by it.
+
+mod energy;
+mod error;
+mod evaluate;
+mod lead;
+mod least_squares;
+mod model;
+mod model_file;
+mod phase;
+pub mod phase_model;
+mod prediction;
+mod statistical;
+pub mod synth;
+mod trip;
+
+pub use energy::{DriveEnergy, EnergyStep, drive_energy};
+pub use error::Error;
+pub use evaluate::{
+    EnergyError, EvaluatedPhase, Evaluation, EvaluationSettings, Fold, GroupSummary, Summary,
+    leave_one_trip_out,
+};
+pub use lead::{INFLUENCE_GAP_S, lead_influenced};
+pub use model::{DriverModel, ModelKind, TrainingSet};
+pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput};
+pub use phase::{HeuristicRules, Phase, PhaseCurve, PhaseKind, PhaseOutline};
+pub use phase_model::SpeedGroup;
+pub use prediction::PhasePrediction;
+pub use statistical::{Method, Segmented, StatisticalRules, dead_banded};
+pub use trip::{PhaseSettings, Trip, slope_rad};

@@ -1,0 +1,220 @@
+use std::ops::Range;
+
+use drive_log::DriveLog;
+use serde::Serialize;
+
+use tseg::Metrics;
+
+use crate::{Error, Segmented, SpeedGroup, dead_banded, lead};
+
+/// What the driver does during a stretch of a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PhaseKind {
+    /// Speeding up.
+    Acceleration,
+    /// Slowing down.
+    Braking,
+    /// Holding a speed.
+    Cruise,
+    /// Anything else, standstill included.
+    Other,
+}
+
+impl PhaseKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Acceleration, Self::Braking, Self::Cruise, Self::Other];
+
+    /// As written in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Braking => "braking",
+            Self::Cruise => "cruise",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// Samples `start..end` of a log with what happens there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Phase {
+    /// First sample.
+    pub start: usize,
+    /// One past the last sample.
+    pub end: usize,
+    /// What the driver does.
+    pub kind: PhaseKind,
+    /// A vehicle ahead is near enough to matter, see [`crate::lead_influenced`].
+    pub lead_influenced: bool,
+}
+
+impl Phase {
+    pub(crate) fn of(log: &DriveLog, range: Range<usize>, kind: PhaseKind) -> Self {
+        Self {
+            kind,
+            lead_influenced: lead::lead_influenced(log, range.clone()),
+            start: range.start,
+            end: range.end,
+        }
+    }
+}
+
+/// Thresholds of Table 3.1, by which every sample is labelled alone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HeuristicRules {
+    /// At least this accelerates, at most its negative brakes; 0.3 m/s².
+    pub accel_threshold_mps2: f64,
+    /// Cruising is faster than this; 30 km/h.
+    pub cruise_speed_mps: f64,
+    /// Acceleration under this magnitude counts as 0 in the homogeneity figures, and only there; 0.4 m/s².
+    pub accel_deadband_mps2: f64,
+}
+
+impl Default for HeuristicRules {
+    fn default() -> Self {
+        Self {
+            accel_threshold_mps2: 0.3,
+            cruise_speed_mps: 30.0 / 3.6,
+            accel_deadband_mps2: 0.4,
+        }
+    }
+}
+
+impl HeuristicRules {
+    fn label(&self, speed_mps: f64, accel_mps2: f64) -> PhaseKind {
+        if accel_mps2 >= self.accel_threshold_mps2 {
+            PhaseKind::Acceleration
+        } else if accel_mps2 <= -self.accel_threshold_mps2 {
+            PhaseKind::Braking
+        } else if speed_mps > self.cruise_speed_mps {
+            PhaseKind::Cruise
+        } else {
+            PhaseKind::Other
+        }
+    }
+
+    /// Runs of samples with the same label (Algorithm 1), from speed and raw acceleration.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a dead band that is not at least 0.
+    pub fn segment(&self, log: &DriveLog) -> Result<Segmented, Error> {
+        Error::unless_at_least(
+            "accel_deadband_mps2",
+            self.accel_deadband_mps2,
+            0.0,
+            "at least 0 m/s²",
+        )?;
+        let accel = log.accel_mps2();
+        let labels: Vec<PhaseKind> = log
+            .speed_mps()
+            .iter()
+            .zip(&accel)
+            .map(|(&v, &a)| self.label(v, a))
+            .collect();
+        let (segmentation, kinds) = tseg::runs(&labels)?;
+        let phases = segmentation
+            .iter()
+            .zip(kinds)
+            .map(|(range, kind)| Phase::of(log, range, kind))
+            .collect();
+        let accel = dead_banded(&accel, self.accel_deadband_mps2);
+        Ok(Segmented {
+            metrics: Metrics::new(&accel, &segmentation)?,
+            cost: None,
+            phases,
+            segmentation,
+        })
+    }
+}
+
+/// What a model may be told of a phase before it predicts it. Each model takes only what it declares to know.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PhaseOutline {
+    /// Speed at the first sample.
+    pub start_speed_mps: f64,
+    /// Speed at the last sample.
+    pub end_speed_mps: f64,
+    /// Sampling interval.
+    pub step_s: f64,
+    /// Number of samples, at least 2.
+    pub samples: usize,
+}
+
+impl PhaseOutline {
+    /// `T`, from first to last sample.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        (self.samples - 1) as f64 * self.step_s
+    }
+
+    /// `v_end − v0`.
+    #[must_use]
+    pub fn gain_mps(&self) -> f64 {
+        self.end_speed_mps - self.start_speed_mps
+    }
+
+    /// Group by start and end speed.
+    #[must_use]
+    pub fn group(&self) -> SpeedGroup {
+        SpeedGroup::of(self.start_speed_mps, self.end_speed_mps)
+    }
+}
+
+/// The measured speed of one phase, with the slope under it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseCurve {
+    start_s: f64,
+    step_s: f64,
+    speed_mps: Vec<f64>,
+    slope_rad: Option<Vec<f64>>,
+}
+
+impl PhaseCurve {
+    /// Cuts `phase` out of a log. `None` where it has fewer than two samples or gains no speed.
+    #[must_use]
+    pub fn cut(log: &DriveLog, slope_rad: Option<&[f64]>, phase: &Phase) -> Option<Self> {
+        let range = phase.start..phase.end;
+        let speed_mps = log.speed_mps().get(range.clone())?.to_vec();
+        let gain = speed_mps.last()? - speed_mps.first()?;
+        if speed_mps.len() < 2 || gain.abs() < f64::EPSILON {
+            return None;
+        }
+        Some(Self {
+            start_s: log.time_s(phase.start),
+            step_s: log.step_s(),
+            slope_rad: slope_rad.and_then(|s| s.get(range)).map(<[f64]>::to_vec),
+            speed_mps,
+        })
+    }
+
+    /// Time of the first sample in the drive.
+    #[must_use]
+    pub fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    /// Measured speed, at least two samples.
+    #[must_use]
+    pub fn speed_mps(&self) -> &[f64] {
+        &self.speed_mps
+    }
+
+    /// Slope at the same samples, where the log tells it.
+    #[must_use]
+    pub fn slope_rad(&self) -> Option<&[f64]> {
+        self.slope_rad.as_deref()
+    }
+
+    /// What a model may know.
+    #[must_use]
+    pub fn outline(&self) -> PhaseOutline {
+        PhaseOutline {
+            start_speed_mps: self.speed_mps[0],
+            end_speed_mps: self.speed_mps[self.speed_mps.len() - 1],
+            step_s: self.step_s,
+            samples: self.speed_mps.len(),
+        }
+    }
+}

@@ -1,0 +1,146 @@
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, PhaseOutline};
+
+/// Start and end speed of a phase, each in one of three bands: 0–50, 50–100 and from 100 km/h (Table 3.8).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedGroup {
+    /// Band of the start speed, 0 to 2.
+    pub start_band: u8,
+    /// Band of the end speed, 0 to 2.
+    pub end_band: u8,
+}
+
+const BAND_NAMES: [&str; 3] = ["0–50", "50–100", "100–300"];
+
+fn band(speed_mps: f64) -> u8 {
+    let kmh = speed_mps * 3.6;
+    u8::from(kmh >= 50.0) + u8::from(kmh >= 100.0)
+}
+
+impl SpeedGroup {
+    /// The group of a phase from its start and end speed.
+    #[must_use]
+    pub fn of(start_speed_mps: f64, end_speed_mps: f64) -> Self {
+        Self {
+            start_band: band(start_speed_mps),
+            end_band: band(end_speed_mps),
+        }
+    }
+
+    /// As in Table 3.8, in km/h: `0–50 → 50–100`.
+    #[must_use]
+    pub fn name(self) -> String {
+        let name = |band: u8| BAND_NAMES[usize::from(band.min(2))];
+        format!("{} → {}", name(self.start_band), name(self.end_band))
+    }
+
+    fn distance(self, other: Self) -> u8 {
+        self.start_band.abs_diff(other.start_band) + self.end_band.abs_diff(other.end_band)
+    }
+}
+
+/// The constant of one group.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroupConstant {
+    /// The group.
+    pub group: SpeedGroup,
+    /// Mean `T_c` in s.
+    pub time_constant_s: f64,
+    /// How many phases it is the mean of.
+    pub phases: usize,
+}
+
+/// Critically damped second-order step response with one mean time constant per speed group (thesis 3.3, rise-time method).
+///
+/// `v(t) = v0 + K (1 − (1 + t/T_c) e^(−t/T_c))` (3.44, corrected: `K = v_end − v0`), `T_c = t_r/5` (3.43).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RiseTime {
+    /// Groups that had phases to learn from, at least one, sorted by group.
+    pub groups: Vec<GroupConstant>,
+}
+
+impl RiseTime {
+    /// `t_r/T_c` of the thesis.
+    pub const RISE_TIME_CONSTANTS: f64 = 5.0;
+
+    /// Mean time constant per group.
+    ///
+    /// # Errors
+    /// [`Error::TooFewPhases`] without a phase.
+    pub fn fit(phases: &[PhaseOutline]) -> Result<Self, Error> {
+        super::need_phases("rise-time", phases)?;
+        let mut sums = std::collections::BTreeMap::<SpeedGroup, (f64, usize)>::new();
+        for phase in phases {
+            let sum = sums.entry(phase.group()).or_default();
+            sum.0 += phase.duration_s() / Self::RISE_TIME_CONSTANTS;
+            sum.1 += 1;
+        }
+        let groups = sums
+            .into_iter()
+            .map(|(group, (sum, phases))| GroupConstant {
+                group,
+                time_constant_s: sum / phases as f64,
+                phases,
+            })
+            .collect();
+        Ok(Self { groups })
+    }
+
+    /// The constant for a phase, from its group or else from the nearest one; the flag says which.
+    ///
+    /// Nearest: fewest bands away in start and end speed together; among equals the one with most phases, then the lowest.
+    #[must_use]
+    pub fn constant_for(&self, group: SpeedGroup) -> (f64, bool) {
+        let nearest = self.groups.iter().min_by_key(|g| {
+            (
+                g.group.distance(group),
+                std::cmp::Reverse(g.phases),
+                g.group,
+            )
+        });
+        nearest.map_or((f64::NAN, false), |g| (g.time_constant_s, g.group == group))
+    }
+
+    /// Speed in m/s at `t_s` seconds of a phase from `start_speed_mps` towards `end_speed_mps`.
+    #[must_use]
+    pub fn speed_mps(
+        time_constant_s: f64,
+        start_speed_mps: f64,
+        end_speed_mps: f64,
+        t_s: f64,
+    ) -> f64 {
+        let s = t_s / time_constant_s;
+        start_speed_mps + (end_speed_mps - start_speed_mps) * (1.0 - (1.0 + s) * (-s).exp())
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let model = "rise-time";
+        super::parameter(
+            model,
+            "groups",
+            self.groups.len() as f64,
+            !self.groups.is_empty() && self.groups.len() <= 9,
+            "1 to 9 groups",
+        )?;
+        for g in &self.groups {
+            let SpeedGroup {
+                start_band,
+                end_band,
+            } = g.group;
+            let highest = f64::from(start_band.max(end_band));
+            super::parameter(model, "band", highest, highest <= 2.0, "0, 1 or 2")?;
+            super::parameter(
+                model,
+                "time_constant_s",
+                g.time_constant_s,
+                g.time_constant_s > 0.0,
+                "finite and above 0",
+            )?;
+        }
+        Ok(())
+    }
+}

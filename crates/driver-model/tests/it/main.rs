@@ -1,0 +1,16 @@
+//! Integration tests, a module per theme.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp
+)]
+
+mod closed_forms;
+mod evaluation;
+mod fitting;
+mod model_file;
+mod phases;
+mod reference_vectors;
+mod synth;

@@ -1,0 +1,71 @@
+//! Both routes to phases, and the leader's influence.
+
+use std::collections::BTreeMap;
+
+use drive_log::{Channel, DriveLog};
+use driver_model::{HeuristicRules, PhaseKind, StatisticalRules, dead_banded, lead_influenced};
+
+/// 5 s standing, 10 s at 1 m/s², 20 s holding, 5 s at −2 m/s².
+fn log(lead_gap_m: Option<f64>) -> DriveLog {
+    let mut speed = vec![0.0; 50];
+    speed.extend((0..100).map(|k| f64::from(k) * 0.1));
+    speed.extend([10.0; 200]);
+    speed.extend((0..50).map(|k| 10.0 - f64::from(k) * 0.2));
+    let mut channels = BTreeMap::new();
+    if let Some(gap) = lead_gap_m {
+        channels.insert(Channel::LeadGap, vec![gap; speed.len()]);
+    }
+    channels.insert(Channel::Speed, speed);
+    DriveLog::new("test", 0.0, 0.1, channels).unwrap()
+}
+
+#[test]
+fn heuristic_runs_follow_table_3_1() {
+    let segmented = HeuristicRules::default().segment(&log(None)).unwrap();
+    let kinds: Vec<_> = segmented
+        .phases
+        .iter()
+        .map(|p| (p.kind, p.start, p.end))
+        .collect();
+    use PhaseKind::{Acceleration, Braking, Cruise, Other};
+    assert_eq!(
+        kinds,
+        [
+            (Other, 0, 50),
+            (Acceleration, 50, 150),
+            (Cruise, 150, 350),
+            (Braking, 350, 400),
+        ]
+    );
+}
+
+#[test]
+fn statistical_phases_partition_the_drive() {
+    let log = log(None);
+    let segmented = StatisticalRules::default().segment(&log).unwrap();
+    let kinds: Vec<_> = segmented.phases.iter().map(|p| p.kind).collect();
+    assert!(kinds.contains(&PhaseKind::Acceleration) && kinds.contains(&PhaseKind::Braking));
+    assert!(kinds.contains(&PhaseKind::Cruise));
+    assert_eq!(segmented.phases.first().unwrap().start, 0);
+    assert_eq!(segmented.phases.last().unwrap().end, log.len());
+    assert!(segmented.phases.windows(2).all(|w| w[0].end == w[1].start));
+}
+
+#[test]
+fn a_leader_influences_under_five_times_the_speed() {
+    // At 10 m/s the limit is 50 m.
+    assert!(lead_influenced(&log(Some(49.0)), 200..300));
+    assert!(!lead_influenced(&log(Some(50.0)), 200..300));
+    assert!(!lead_influenced(&log(Some(f64::NAN)), 200..300));
+    assert!(!lead_influenced(&log(None), 200..300));
+    // Standing, no gap is near.
+    assert!(!lead_influenced(&log(Some(1.0)), 0..50));
+}
+
+#[test]
+fn the_dead_band_is_strict() {
+    assert_eq!(
+        dead_banded(&[0.4, -0.4, 0.39, -0.39, 0.0], 0.4),
+        [0.4, -0.4, 0.0, 0.0, 0.0]
+    );
+}

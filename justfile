@@ -1,0 +1,53 @@
+# `just` lists the recipes.
+default:
+    @just --list --unsorted
+
+# Everything that must pass before a change lands.
+[group('check')]
+ci:
+    .ci/run
+
+# The tests, as in the README.
+[group('check')]
+test:
+    cargo test --workspace
+
+# Clippy over all targets, warnings are errors.
+[group('check')]
+lint:
+    cargo clippy --workspace --all-targets -- -D warnings
+
+# Formatting without changing anything.
+[group('check')]
+fmt-check:
+    cargo fmt --all --check
+
+# API documentation, warnings are errors.
+[group('check')]
+doc $RUSTDOCFLAGS="-D warnings":
+    cargo doc --workspace --no-deps --document-private-items
+
+# Every benchmark once, without measuring.
+[group('check')]
+bench-check:
+    cargo bench --workspace -- --test
+
+# Format the code.
+[group('work')]
+fmt:
+    cargo fmt --all
+
+# Measure. `just bench drive-log` takes one crate.
+[group('work')]
+bench crate="":
+    cargo bench {{ if crate == "" { "--workspace" } else { "-p " + crate } }}
+
+# Fuzz a reader for some seconds: `just fuzz read_log 600`. Needs `cargo install cargo-fuzz`.
+[group('work')]
+fuzz target="read_log" seconds="60":
+    cd crates/drive-log && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }}
+
+# Make the simulated drives that ship with the project anew.
+[group('work')]
+fixtures:
+    cargo run --release -p drivekit -- synth --noise -o fixtures/drives
