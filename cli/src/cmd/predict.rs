@@ -56,7 +56,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         .collect();
     match context.format {
         Format::Json => {
-            output::print_json(&Document::new("predict", args, &inputs, Logs { logs }))?
+            output::print_json(&Document::new("predict", args, &inputs, Logs { logs }))?;
         }
         Format::Text => output::print_text(&table(&logs))?,
     }

@@ -6,7 +6,7 @@ const BOLD: &str = "\u{1b}[1m";
 const DIM: &str = "\u{1b}[2m";
 const RESET: &str = "\u{1b}[0m";
 
-/// The first column is text, aligned left; the others are aligned right.
+/// Columns of numbers are aligned right, others left.
 pub(crate) struct Table {
     header: Vec<String>,
     rows: Vec<Row>,
@@ -26,7 +26,7 @@ impl Table {
     }
 
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(Row::Cells(cells.to_vec()));
+        self.rows.push(Row::Cells(cells.into()));
     }
 
     /// A line of its own between rows.
@@ -35,38 +35,49 @@ impl Table {
     }
 
     pub(crate) fn render(&self) -> String {
-        let widths: Vec<usize> = (0..self.header.len())
-            .map(|column| self.width(column))
+        let columns: Vec<Column> = (0..self.header.len())
+            .map(|index| self.column(index))
             .collect();
-        let mut text = format!("{BOLD}{}{RESET}\n", line(&self.header, &widths));
+        let mut text = format!("{BOLD}{}{RESET}\n", line(&self.header, &columns));
         for row in &self.rows {
             let _ = match row {
-                Row::Cells(cells) => writeln!(text, "{}", line(cells, &widths)),
+                Row::Cells(cells) => writeln!(text, "{}", line(cells, &columns)),
                 Row::Heading(heading) => writeln!(text, "{DIM}{heading}{RESET}"),
             };
         }
         text
     }
 
-    fn width(&self, column: usize) -> usize {
-        let cells = self.rows.iter().filter_map(|row| match row {
-            Row::Cells(cells) => cells.get(column),
-            Row::Heading(_) => None,
-        });
-        cells
-            .chain(self.header.get(column))
-            .map(|cell| cell.chars().count())
-            .max()
-            .unwrap_or(0)
+    fn column(&self, index: usize) -> Column {
+        let cells = || {
+            self.rows.iter().filter_map(|row| match row {
+                Row::Cells(cells) => cells.get(index).map(String::as_str),
+                Row::Heading(_) => None,
+            })
+        };
+        let header = self.header.get(index).map(String::as_str);
+        Column {
+            width: cells()
+                .chain(header)
+                .map(|cell| cell.chars().count())
+                .max()
+                .unwrap_or(0),
+            numbers: cells().all(|cell| matches!(cell, "" | "–") || cell.parse::<f64>().is_ok()),
+        }
     }
 }
 
-fn line(cells: &[String], widths: &[usize]) -> String {
+struct Column {
+    width: usize,
+    numbers: bool,
+}
+
+fn line(cells: &[String], columns: &[Column]) -> String {
     let mut text = String::new();
-    for (column, (cell, width)) in cells.iter().zip(widths).enumerate() {
-        let _ = match column {
-            0 => write!(text, "{cell:<width$}"),
-            _ => write!(text, "  {cell:>width$}"),
+    for (cell, &Column { width, numbers }) in cells.iter().zip(columns) {
+        let _ = match numbers {
+            true => write!(text, "{cell:>width$}  "),
+            false => write!(text, "{cell:<width$}  "),
         };
     }
     text.truncate(text.trim_end().len());

@@ -61,12 +61,16 @@ fn time_running_backward() {
 
 #[test]
 fn one_sample() {
-    refused("one.csv", b"time_s,speed_mps\n0,5\n", &["no two with a valid speed"]);
+    refused(
+        "one.csv",
+        b"time_s,speed_mps\n0,5\n",
+        &["no two with a valid speed"],
+    );
 }
 
 #[test]
 fn all_nan() {
-    let text = "time_s,speed_mps\n".to_owned() + &rows(100, |i| format!("{},NaN", i));
+    let text = "time_s,speed_mps\n".to_owned() + &rows(100, |i| format!("{i},NaN"));
     refused("nan.csv", text.as_bytes(), &["speed"]);
 }
 

@@ -13,7 +13,7 @@
 //! where there is no valid speed for more than 2 s it is unknown, and the drive is cut.
 //!
 //! [`read_file`] turns CSV or Parquet into [`RawLog`]s, [`check`] finds and repairs what is wrong
-//! with one, and [`prepare`] turns it into [`DriveLog`]s, whose speed is present and finite
+//! with one, and [`prepare()`] turns it into [`DriveLog`]s, whose speed is present and finite
 //! everywhere. Units are SI throughout.
 //!
 //! ```

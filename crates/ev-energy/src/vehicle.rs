@@ -160,7 +160,7 @@ impl Vehicle {
         Self::from_toml(&text, &file)
     }
 
-    /// A vehicle of the [library](crate::library), by name.
+    /// A vehicle of the [`crate::library`], by name.
     ///
     /// # Errors
     /// [`Error::UnknownVehicle`], which lists the names there are.

@@ -15,7 +15,7 @@
 //! - [`BottomUp`] merges the cheapest pair of neighbours until the cheapest costs more than a threshold;
 //! - [`Swab`] does so in a sliding window, in one pass over the samples;
 //! - [`runs`] groups neighbours of equal label;
-//! - [`merge`] joins similar neighbours of a segmentation afterwards, [`merge_percentile`] by their percentiles;
+//! - [`merge()`] joins similar neighbours of a segmentation afterwards, [`merge_percentile`] by their percentiles;
 //! - [`Metrics`] says how long and how pure the segments are.
 //!
 //! Samples are indexed from 0, segments are half-open. The units of the variables are the caller's; [`Scale`] makes

@@ -31,7 +31,7 @@ pub struct Checked {
 /// | what | sign | repair |
 /// |---|---|---|
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
-/// | time gap | a step over 2.5 median steps | none here; [`crate::prepare`] interpolates or cuts |
+/// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | missing values | | none |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
 /// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below | flipped |

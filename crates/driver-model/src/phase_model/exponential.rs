@@ -89,7 +89,7 @@ impl Exponential {
                 PRINTED.model,
                 "p0",
                 self.p0,
-                self.p0 == 1.0,
+                (self.p0 - 1.0).abs() < f64::EPSILON,
                 "1 in the printed form",
             )?;
         }
