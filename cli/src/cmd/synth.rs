@@ -2,8 +2,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
-use driver_model::ModelKind;
 use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
+use driver_model::{MODEL_SCHEMA, ModelFile, ModelKind};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -16,7 +16,7 @@ use crate::render::table::{Table, number};
 /// Simulated drives with known truth
 ///
 /// A driver of known habits drives roads with speed limits, stops, hills and vehicles ahead. The logs are what a car
-/// would record; `truth.json` says what made them. Same settings, same bytes.
+/// would record; `truth.json` says what made them, `true-model.json` is the driver's model. Same settings, same bytes.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
 Examples:
@@ -24,7 +24,7 @@ Examples:
   drivekit synth -o clean/ --driver inverse --variation 0 --no-leaders   fits recover the truth
   drivekit synth -o many/ --drives 100 --seed 42 --file-format parquet")]
 pub(crate) struct SynthArgs {
-    /// Folder for drive-01.csv and so on, and truth.json
+    /// Folder for drive-01.csv and so on, truth.json and true-model.json
     #[arg(short, long, value_name = "DIR")]
     #[serde(skip)]
     output: PathBuf,
@@ -81,6 +81,10 @@ pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome
     output::write_file(&folder.join("truth.json"), |out| {
         Ok(writeln!(out, "{truth}")?)
     })?;
+    let model = true_model(args, &settings)?;
+    output::write_file(&folder.join("true-model.json"), |out| {
+        Ok(out.write_all(model.as_bytes())?)
+    })?;
     match context.format {
         Format::Json => {
             let drives = drives.iter().map(Entry::new).collect();
@@ -104,6 +108,20 @@ impl SynthArgs {
             leaders: !self.no_leaders,
         }
     }
+}
+
+/// The driver's own model, for `predict`.
+fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<String> {
+    let file = ModelFile {
+        schema: MODEL_SCHEMA.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        model: settings.driver.acceleration.clone(),
+        training_phases: 0,
+        training_segments: 0,
+        inputs: Vec::new(),
+        config: serde_json::to_value(args)?,
+    };
+    Ok(file.to_json()?)
 }
 
 fn write_drive(folder: &Path, drive: &SimulatedDrive, format: FileFormat) -> anyhow::Result<()> {
@@ -156,7 +174,7 @@ fn text(drives: &[SimulatedDrive], folder: &Path) -> String {
         ]);
     }
     format!(
-        "{}\nwritten to {}, with truth.json: {} drives\n",
+        "{}\nwritten to {}, with truth.json and true-model.json: {} drives\n",
         table.render(),
         folder.display(),
         drives.len()
