@@ -73,7 +73,8 @@ function keepDrawn(redraw) {
   new ResizeObserver(([entry]) => {
     if (entry.contentRect.width === width) return;
     width = entry.contentRect.width;
-    redraw();
+    // In a frame of its own: drawing changes the layout that is being observed.
+    requestAnimationFrame(redraw);
   }).observe(byId('report'));
   window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   for (const [event, printing] of [
