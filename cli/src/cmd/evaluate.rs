@@ -38,8 +38,13 @@ pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     #[serde(flatten)]
     phases: PhaseArgs,
-    /// Models to evaluate, comma separated; the baselines are always added [default: all]
-    #[arg(long, value_delimiter = ',', value_name = "MODEL")]
+    /// Models to evaluate, comma separated; the baselines are always added
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "inverse,exponential,exponential-amplitude,rise-time,profile",
+        value_name = "MODEL"
+    )]
     models: Vec<ModelKind>,
     /// Full width of the band around the measured speed, in km/h
     #[arg(long, default_value_t = 3.0, value_name = "KM/H")]
@@ -73,9 +78,9 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
     drop(progress);
 
     let document = Document::new("evaluate", args, &inputs, Body::new(&evaluation));
-    let document = serde_json::to_value(document)?;
+    let figures = serde_json::to_value(&document)?;
     if let Some(path) = &args.report {
-        let page = html::evaluation_page(&with_phases(document.clone(), &evaluation));
+        let page = html::evaluation_page(&with_phases(figures.clone(), &evaluation));
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }
@@ -85,7 +90,7 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
     }
     let mut outcome = Outcome::Done;
     for requirement in &args.require {
-        if let Some(reason) = requirement.missed(&document)? {
+        if let Some(reason) = requirement.missed(&figures)? {
             output::note(context, &format!("missed: {reason}"));
             outcome = Outcome::Negative;
         }
@@ -95,14 +100,10 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
 
 impl EvaluateArgs {
     fn settings(&self) -> EvaluationSettings {
-        let mut settings = EvaluationSettings {
+        EvaluationSettings {
+            models: self.models.clone(),
             band_mps: self.band / 3.6,
-            ..EvaluationSettings::default()
-        };
-        if !self.models.is_empty() {
-            settings.models.clone_from(&self.models);
         }
-        settings
     }
 }
 

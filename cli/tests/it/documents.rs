@@ -28,6 +28,30 @@ fn every_document_names_schema_version_configuration_and_inputs() {
 }
 
 #[test]
+fn keys_come_in_the_documented_order() {
+    let text = drivekit(&["evaluate", "--models", "profile", "--format", "json"])
+        .ok()
+        .stdout;
+    let keys: Vec<&str> = text
+        .lines()
+        .filter(|line| line.starts_with("  \""))
+        .map(|line| line.trim_start().split('"').nth(1).unwrap())
+        .collect();
+    assert_eq!(
+        keys,
+        [
+            "schema",
+            "version",
+            "config",
+            "inputs",
+            "models",
+            "folds",
+            "baselines"
+        ]
+    );
+}
+
+#[test]
 fn stdout_is_the_document_and_nothing_else() {
     let run = drivekit(&[
         "inspect",
