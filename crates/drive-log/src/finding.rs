@@ -93,6 +93,8 @@ pub enum FindingKind {
     CurrentSign,
     /// Too short to be a drive.
     TooShort,
+    /// The file ends in the middle of a row.
+    CutOff,
 }
 
 /// What was done about a finding.
@@ -135,6 +137,7 @@ impl fmt::Display for FindingKind {
             FindingKind::Pinned => "pinned",
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
+            FindingKind::CutOff => "cut off",
         })
     }
 }

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::layout::{Form, Head, Layout, LayoutChoice, LogPlan, Plan, TimeColumns};
 use crate::text::Table;
-use crate::{Error, Finding, RawLog, body, clock, compressed, parquet, text};
+use crate::{Action, Error, Finding, FindingKind, RawLog, body, clock, compressed, parquet, text};
 
 /// What was read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -147,6 +147,21 @@ impl Source<'_> {
         }
     }
 
+    /// The finding that the file ends in the middle of a row.
+    fn cut_off(&self, time_s: &[f64]) -> Option<Finding> {
+        let last_s = *time_s.last()?;
+        let cut_off = matches!(self, Source::Text(table) if table.cut_off);
+        cut_off.then(|| {
+            let detail = "the file ends in the middle of the row after this one".to_owned();
+            Finding::of_time(
+                FindingKind::CutOff,
+                (last_s, last_s),
+                Action::Dropped,
+                detail,
+            )
+        })
+    }
+
     /// Time of each row in s, and what had to be repaired for it.
     fn time_s(
         &self,
@@ -219,6 +234,7 @@ fn logs(path: &Path, source: &Source<'_>, plan: &Plan) -> Result<Vec<RawLog>, Er
     }
     for log in &mut logs {
         log.findings.extend(repaired.clone());
+        log.findings.extend(source.cut_off(log.time_s()));
     }
     if logs.is_empty() {
         return Err(Error::NoSpeed {

@@ -25,6 +25,8 @@ pub(crate) struct Table<'a> {
     pub(crate) body: &'a [u8],
     /// Line of the first row, from 1.
     pub(crate) first_line: usize,
+    /// Whether the file ended in the middle of a row, which is left out of the body.
+    pub(crate) cut_off: bool,
 }
 
 /// The text without its byte order mark, if it is text.
@@ -92,9 +94,13 @@ pub(crate) fn lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
         while !rest.is_empty() {
             let (line, after) = rest.split_at(line_len(rest));
             (rest, number) = (after, number + 1);
-            let line = line.trim_ascii_end();
-            if !line.is_empty() {
-                return Some((number, line));
+            if !line.trim_ascii().is_empty() {
+                // a tab at the end delimits an empty cell
+                let blanks = line
+                    .iter()
+                    .rev()
+                    .take_while(|b| matches!(b, b'\r' | b'\n' | b' '));
+                return Some((number, &line[..line.len() - blanks.count()]));
             }
         }
         None
@@ -145,7 +151,7 @@ pub(crate) fn table<'a>(path: &Path, text: &'a [u8], form: Form) -> Result<Table
     } else {
         header_line - 1
     };
-    let body = after_lines(text, skipped).trim_ascii_end();
+    let (body, cut_off) = whole_rows(after_lines(text, skipped), delimiter, headers.len());
     if body.is_empty() {
         return Err(Error::NoData {
             path: path.to_owned(),
@@ -167,7 +173,23 @@ pub(crate) fn table<'a>(path: &Path, text: &'a [u8], form: Form) -> Result<Table
         decimal_comma,
         body,
         first_line: skipped + 1,
+        cut_off,
     })
+}
+
+/// The rows without blank lines at the end, and without a last row that has too few fields and no end of line: a logger
+/// that lost power leaves one.
+fn whole_rows(rows: &[u8], delimiter: u8, expected: usize) -> (&[u8], bool) {
+    let blank = |byte: &u8| byte.is_ascii_whitespace() && *byte != delimiter || *byte == b' ';
+    let kept = rows.len() - rows.iter().rev().take_while(|byte| blank(byte)).count();
+    let body = &rows[..kept];
+    let ended = rows[kept..].contains(&b'\n') || rows[kept..].contains(&b'\r');
+    match body.iter().rposition(|byte| *byte == b'\n') {
+        Some(end) if !ended && fields(&decoded(&body[end + 1..]), delimiter).len() < expected => {
+            (&body[..end], true)
+        }
+        _ => (body, false),
+    }
 }
 
 /// Counts before anything is built, so that a file with a row per channel fails at once.

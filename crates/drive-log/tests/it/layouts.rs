@@ -203,3 +203,31 @@ fn the_hash_is_that_of_the_file() {
         "as sha256sum says"
     );
 }
+
+/// A logger that lost power: the row that it was writing is left out, and that is said.
+#[test]
+fn a_last_row_that_is_cut_off() {
+    let whole = "time_s,speed_mps,elevation_m\n0,5,500\n1,6,501\n2,7,502\n";
+    for cut in ["3,", "3", "3,8"] {
+        let text = format!("{whole}{cut}");
+        let file = read_bytes(Path::new("log.csv"), text.as_bytes(), &LayoutChoice::Auto).unwrap();
+        let log = file.logs.into_iter().next().unwrap();
+        assert_eq!(log.time_s(), [0.0, 1.0, 2.0], "{cut:?}");
+        let checked = drive_log::check(log);
+        let finding = &checked.findings[0];
+        assert_eq!(finding.kind, drive_log::FindingKind::CutOff, "{cut:?}");
+        assert_eq!((finding.from_s, finding.to_s), (2.0, 2.0));
+    }
+    let ended = format!("{whole}3,8\n");
+    assert!(read_bytes(Path::new("log.csv"), ended.as_bytes(), &LayoutChoice::Auto).is_err());
+}
+
+/// Empty cells at the end of the last row are not blanks to be trimmed.
+#[test]
+fn empty_cells_at_the_end_of_a_tab_separated_file() {
+    for end in ["", "\n", "\r\n\n"] {
+        let text = format!("time_s\tspeed_mps\televation_m\n0\t5\t500\n1\t6\t{end}");
+        let file = read_bytes(Path::new("log.tsv"), text.as_bytes(), &LayoutChoice::Auto).unwrap();
+        assert_eq!(file.logs[0].time_s(), [0.0, 1.0], "{end:?}");
+    }
+}
