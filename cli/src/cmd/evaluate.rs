@@ -9,7 +9,7 @@ use driver_model::{
 use serde::Serialize;
 use serde_json::json;
 
-use super::phases::{PhaseArgs, vehicle};
+use super::phases::{PhaseArgs, vehicle, width_kmh};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
@@ -47,7 +47,7 @@ pub(crate) struct EvaluateArgs {
     )]
     models: Vec<ModelKind>,
     /// Full width of the band around the measured speed, in km/h
-    #[arg(long, default_value_t = 3.0, value_name = "KM/H")]
+    #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
     band: f64,
     /// Vehicle for the energy of curves: a built-in name or a TOML file
     #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]

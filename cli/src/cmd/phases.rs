@@ -62,3 +62,11 @@ pub(crate) fn vehicle(name: &str) -> anyhow::Result<ev_energy::Vehicle> {
     };
     Ok(vehicle?)
 }
+
+/// The width of a band, which a prediction is in or not.
+pub(crate) fn width_kmh(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(width) if (0.0..=1e3).contains(&width) => Ok(width),
+        _ => Err("expected a width in km/h, 0 to 1000".to_owned()),
+    }
+}

@@ -5,7 +5,7 @@ use clap::Args;
 use driver_model::{ModelFile, PhaseCurve, PhaseOutline, PhasePrediction};
 use serde::Serialize;
 
-use super::phases::PhaseArgs;
+use super::phases::{PhaseArgs, width_kmh};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs;
@@ -33,7 +33,7 @@ pub(crate) struct PredictArgs {
     #[arg(long, value_name = "FILE.json")]
     model: PathBuf,
     /// Full width of the band around the measured speed, in km/h
-    #[arg(long, default_value_t = 3.0, value_name = "KM/H")]
+    #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
     band: f64,
 }
 

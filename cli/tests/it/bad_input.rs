@@ -195,6 +195,8 @@ fn usage_errors() {
     drivekit(&["evaluate", "--models", "oracle"]).refused(&["oracle", "inverse"]);
     drivekit(&["evaluate", "--vehicle", "batmobile"]).refused(&["batmobile", "b250e"]);
     drivekit(&["segment"]).refused(&["no logs given"]);
+    drivekit(&["evaluate", "--band=-3"]).refused(&["--band", "width in km/h"]);
+    drivekit(&["predict", "--band=nan"]).refused(&["--band", "width in km/h"]);
     drivekit(&["evaluate", "--require", "profile>=3"]).refused(&["MODEL.FIGURE>=NUMBER"]);
     drivekit(&["segment", &fixture("drives/drive-01.csv"), "--weights", "1"])
         .refused(&["--weights"]);

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// What is evaluated, and how it is judged.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
     /// Models to evaluate; the baselines are always added.
     pub models: Vec<ModelKind>,
@@ -28,7 +28,7 @@ impl Default for EvaluationSettings {
 }
 
 /// A held-out phase with every model's prediction of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedPhase {
     /// Index of the trip.
     pub trip: usize,
@@ -43,7 +43,7 @@ pub struct EvaluatedPhase {
 }
 
 /// One trip held out, one model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Fold {
     /// Index of the trip that was held out.
     pub trip: usize,
@@ -58,10 +58,8 @@ pub struct Fold {
     /// Phases predicted with a parameter of another speed group.
     pub fallbacks: usize,
     /// Seconds of fitting.
-    #[serde(skip)]
     pub fit_seconds: f64,
     /// Seconds of predicting and comparing, energy not included.
-    #[serde(skip)]
     pub predict_seconds: f64,
 }
 

@@ -38,7 +38,7 @@ impl PhaseKind {
 }
 
 /// Samples `start..end` of a log with what happens there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Phase {
     /// First sample.
     pub start: usize,
@@ -62,7 +62,7 @@ impl Phase {
 }
 
 /// Thresholds of Table 3.1, by which every sample is labelled alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeuristicRules {
     /// At least this accelerates, at most its negative brakes; 0.3 m/s².
     pub accel_threshold_mps2: f64,
@@ -100,12 +100,6 @@ impl HeuristicRules {
     /// # Errors
     /// [`Error::Option`] for a dead band that is not at least 0.
     pub fn segment(&self, log: &DriveLog) -> Result<Segmented, Error> {
-        Error::unless_at_least(
-            "accel_deadband_mps2",
-            self.accel_deadband_mps2,
-            0.0,
-            "at least 0 m/s²",
-        )?;
         let accel = log.accel_mps2();
         let labels: Vec<PhaseKind> = log
             .speed_mps()
@@ -119,7 +113,7 @@ impl HeuristicRules {
             .zip(kinds)
             .map(|(range, kind)| Phase::of(log, range, kind))
             .collect();
-        let accel = dead_banded(&accel, self.accel_deadband_mps2);
+        let accel = dead_banded(&accel, self.accel_deadband_mps2)?;
         Ok(Segmented {
             metrics: Metrics::new(&accel, &segmentation)?,
             cost: None,
@@ -163,7 +157,7 @@ impl PhaseOutline {
 }
 
 /// The measured speed of one phase, with the slope under it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PhaseCurve {
     start_s: f64,
     step_s: f64,

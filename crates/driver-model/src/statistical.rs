@@ -1,25 +1,22 @@
 use drive_log::DriveLog;
-use serde::Serialize;
 use tseg::{BottomUp, Cost, Metrics, Refill, Scale, Segmentation, Series, Swab, merge_percentile};
 
 use crate::{Error, Phase, PhaseKind};
 
 /// How a drive is cut into segments by statistics, and how segments become phases (thesis 3.1.3, 3.1.5, 3.2).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StatisticalRules {
     /// Acceleration under this magnitude counts as 0; 0.4 m/s².
     pub accel_deadband_mps2: f64,
     /// Method; SWAB with a window of 100 samples.
     pub method: Method,
     /// Segment cost; (3.22).
-    #[serde(serialize_with = "as_debug")]
     pub cost: Cost,
     /// Threshold of the cost; 0.2.
     pub threshold: f64,
     /// Weights of speed and acceleration; 1.8 and 1.
     pub weights: [f64; 2],
     /// Scaling of both before segmentation, see [`StatisticalRules::default`].
-    #[serde(serialize_with = "as_debug")]
     pub scale: Scale,
     /// Neighbours above this percentile similarity are merged; 0.64. `None` merges nothing.
     pub merge_threshold: Option<f64>,
@@ -30,8 +27,7 @@ pub struct StatisticalRules {
 }
 
 /// Statistical segmentation methods.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// Merge the cheapest neighbours until the cheapest costs more than the threshold.
     BottomUp,
@@ -40,13 +36,8 @@ pub enum Method {
         /// Length in samples.
         window: usize,
         /// How the window is refilled.
-        #[serde(serialize_with = "as_debug")]
         refill: Refill,
     },
-}
-
-fn as_debug<T: std::fmt::Debug, S: serde::Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
-    to.collect_str(&format_args!("{value:?}"))
 }
 
 impl Default for StatisticalRules {
@@ -105,13 +96,7 @@ impl StatisticalRules {
     /// # Errors
     /// [`Error::Option`] and [`Error::Segmentation`] for parameters out of range.
     pub fn segment(&self, log: &DriveLog) -> Result<Segmented, Error> {
-        Error::unless_at_least(
-            "accel_deadband_mps2",
-            self.accel_deadband_mps2,
-            0.0,
-            "at least 0 m/s²",
-        )?;
-        let accel = dead_banded(&log.accel_mps2(), self.accel_deadband_mps2);
+        let accel = dead_banded(&log.accel_mps2(), self.accel_deadband_mps2)?;
         let scaled_speed = self.scale.scaled(log.speed_mps());
         let scaled_accel = self.scale.scaled(&accel);
         let [speed_weight, accel_weight] = self.weights;
@@ -162,10 +147,16 @@ impl StatisticalRules {
 }
 
 /// `a := 0` where `|a| < threshold` (strict).
-#[must_use]
-pub fn dead_banded(accel_mps2: &[f64], threshold_mps2: f64) -> Vec<f64> {
-    accel_mps2
-        .iter()
-        .map(|&a| if a.abs() < threshold_mps2 { 0.0 } else { a })
-        .collect()
+///
+/// # Errors
+/// [`Error::Option`] for a threshold that is not at least 0.
+pub fn dead_banded(accel_mps2: &[f64], threshold_mps2: f64) -> Result<Vec<f64>, Error> {
+    Error::unless_at_least(
+        "accel_deadband_mps2",
+        threshold_mps2,
+        0.0,
+        "at least 0 m/s²",
+    )?;
+    let banded = |&a: &f64| if a.abs() < threshold_mps2 { 0.0 } else { a };
+    Ok(accel_mps2.iter().map(banded).collect())
 }

@@ -1,11 +1,10 @@
 use drive_log::{Channel, Drive, DriveLog};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_elevation};
-use serde::Serialize;
 
 use crate::{Error, HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules};
 
 /// How phases are found in a drive, and which of them count.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhaseSettings {
     /// Route of system identification and of the measured curves.
     pub heuristic: HeuristicRules,

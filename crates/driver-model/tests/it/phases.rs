@@ -65,7 +65,7 @@ fn a_leader_influences_under_five_times_the_speed() {
 #[test]
 fn the_dead_band_is_strict() {
     assert_eq!(
-        dead_banded(&[0.4, -0.4, 0.39, -0.39, 0.0], 0.4),
+        dead_banded(&[0.4, -0.4, 0.39, -0.39, 0.0], 0.4).unwrap(),
         [0.4, -0.4, 0.0, 0.0, 0.0]
     );
 }
