@@ -18,6 +18,10 @@ pub enum Cost {
     ///
     /// In units of the variables; not monotone in the length of the segment.
     MeanDeviation,
+    /// `Σ_i w_i Σ_j (x_ij − x̄_i)²`, the weighted squared error: the cost of piecewise constant least squares.
+    ///
+    /// In squared units; splitting a segment never raises it.
+    SquaredError,
 }
 
 impl Cost {
@@ -63,6 +67,9 @@ impl Cost {
             Self::ZScale => varying.fold(0.0, |sum, v| {
                 let variance = squared_deviation(v, start, end) / (n - 1.0);
                 sum + v.weight * absolute_deviation(v, start, end) / variance.sqrt()
+            }),
+            Self::SquaredError => varying.fold(0.0, |sum, v| {
+                sum + v.weight * squared_deviation(v, start, end)
             }),
         }
     }
@@ -122,6 +129,7 @@ mod tests {
         // Last two: the first variable is constant, the second deviates by 2 from its mean.
         assert_eq!(Cost::MeanDeviation.of_segment(&series, 2..4).unwrap(), 2.0);
         assert!((Cost::ZScale.of_segment(&series, 2..4).unwrap() - 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(Cost::SquaredError.of_segment(&series, 0..3).unwrap(), 28.0);
         let halves = Segmentation::from_boundaries(vec![0, 3, 4]).unwrap();
         assert_eq!(Cost::MeanDeviation.total(&series, &halves).unwrap(), 4.0);
     }
@@ -129,7 +137,7 @@ mod tests {
     #[test]
     fn one_sample_and_constants_cost_nothing() {
         let series = Series::new(&[(&[0.1; 7], 1.8), (&[-3.0; 7], 1.0)]).unwrap();
-        for cost in [Cost::ZScale, Cost::MeanDeviation] {
+        for cost in [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError] {
             assert_eq!(cost.of_segment(&series, 3..4).unwrap(), 0.0);
             assert_eq!(cost.of_segment(&series, 0..7).unwrap(), 0.0);
         }

@@ -7,6 +7,7 @@
 //! ```text
 //! H = Σ_i w_i Σ_j |x_ij − x̄_i| / S_i,   S_i² = Σ_j (x_ij − x̄_i)² / (l − 1)     z-scale
 //! H = Σ_i w_i Σ_j |x_ij − x̄_i| / l                                             mean deviation
+//! H = Σ_i w_i Σ_j (x_ij − x̄_i)²                                                squared error
 //! ```
 //!
 //! The result is a [`Segmentation`], a partition of `0..n` by construction, which all parts of this crate return or

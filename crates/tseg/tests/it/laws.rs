@@ -8,7 +8,7 @@ use tseg::{
 
 use crate::rivals;
 
-const COSTS: [Cost; 2] = [Cost::ZScale, Cost::MeanDeviation];
+const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
 const REFILLS: [Refill; 3] = [Refill::Keogh, Refill::Literal, Refill::Fixed];
 
 /// A variable in pieces: few levels and constant stretches, so that ties and zero costs are common, or a random walk.
@@ -136,7 +136,7 @@ fn one_and_two_samples() {
     let one = Series::new(&[(&[3.0], 1.0)]).unwrap();
     let two = Series::new(&[(&[3.0, 9.0], 1.0)]).unwrap();
     for cost in COSTS {
-        for (threshold, boundaries) in [(0.0, &[0, 1, 2][..]), (3.0, &[0, 2])] {
+        for (threshold, boundaries) in [(0.0, &[0, 1, 2][..]), (18.0, &[0, 2])] {
             assert_eq!(
                 BottomUp::new(cost, threshold)
                     .unwrap()

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use tseg::{Cost, Refill, Series};
 
-/// Both costs from their formulas in floating point, without a grid.
+/// All costs from their formulas in floating point, without a grid.
 pub(crate) fn cost(cost: Cost, variables: &[(&[f64], f64)], segment: Range<usize>) -> f64 {
     let n = segment.len() as f64;
     let mut total = 0.0;
@@ -20,6 +20,7 @@ pub(crate) fn cost(cost: Cost, variables: &[(&[f64], f64)], segment: Range<usize
             * match cost {
                 Cost::ZScale => absolute / (squares / (n - 1.0)).sqrt(),
                 Cost::MeanDeviation => absolute / n,
+                Cost::SquaredError => squares,
             };
     }
     total
