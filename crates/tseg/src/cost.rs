@@ -56,6 +56,24 @@ impl Cost {
             .fold(0.0, |total, cost| total + cost))
     }
 
+    /// No segmentation costs more than about this.
+    pub(crate) fn bound(self, series: &Series) -> f64 {
+        let n = series.len() as f64;
+        series.variables().iter().fold(0.0, |sum, v| {
+            let range = v.steps.iter().max().zip(v.steps.iter().min());
+            let range = range.map_or(0.0, |(max, min)| {
+                (*max as f64 - *min as f64) / STEPS_PER_UNIT
+            });
+            sum + n
+                * v.weight
+                * match self {
+                    Self::ZScale => 1.0,
+                    Self::MeanDeviation => range,
+                    Self::SquaredError => range * range,
+                }
+        })
+    }
+
     /// Cost of `start..end`, which must not be empty nor exceed the series.
     pub(crate) fn between(self, series: &Series, start: usize, end: usize) -> f64 {
         let varying = series.variables().iter().filter(|v| v.run_end[start] < end);

@@ -59,6 +59,29 @@ pub enum Error {
         /// The threshold given.
         value: f64,
     },
+    /// A segmentation into no segments.
+    #[error("0 segments were asked for; give at least 1")]
+    NoSegments,
+    /// More segments than the series has room for.
+    #[error(
+        "{segments} segments of at least {min_length} samples need {} samples, the series has {samples}; \
+         ask for fewer or shorter segments",
+        .segments.saturating_mul(*.min_length)
+    )]
+    TooManySegments {
+        /// The number of segments asked for.
+        segments: usize,
+        /// The least number of samples of each.
+        min_length: usize,
+        /// The number of samples of the series.
+        samples: usize,
+    },
+    /// Costs may exceed the largest `f64`.
+    #[error("the weights are so large that costs overflow; scale them down")]
+    CostOverflow,
+    /// The caller cancelled a long computation.
+    #[error("cancelled")]
+    Cancelled,
     /// A window of no samples.
     #[error("the window has 0 samples; give at least 1")]
     Window,

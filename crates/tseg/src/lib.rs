@@ -48,6 +48,7 @@
 
 mod bottom_up;
 mod cost;
+mod dynamic;
 mod error;
 mod heuristic;
 mod merge;
@@ -61,6 +62,7 @@ mod tournament;
 
 pub use bottom_up::BottomUp;
 pub use cost::Cost;
+pub use dynamic::{Certificate, Dynamic, Optimum, PathPoint, PenaltyPath, Progress};
 pub use error::Error;
 pub use heuristic::runs;
 pub use merge::merge;

@@ -69,6 +69,20 @@ impl Series {
         self.len
     }
 
+    /// The samples in reverse order.
+    pub(crate) fn reversed(&self) -> Self {
+        let reversed = |variable: &Variable| {
+            Variable::from_steps(
+                variable.steps.iter().rev().copied().collect(),
+                variable.weight,
+            )
+        };
+        Self {
+            len: self.len,
+            variables: self.variables.iter().map(reversed).collect(),
+        }
+    }
+
     pub(crate) fn variables(&self) -> &[Variable] {
         &self.variables
     }
@@ -97,6 +111,10 @@ impl Variable {
             .iter()
             .map(|x| (x * STEPS_PER_UNIT).round_ties_even() as i64)
             .collect();
+        Ok(Self::from_steps(steps, weight))
+    }
+
+    fn from_steps(steps: Vec<i64>, weight: f64) -> Self {
         let mut sums = Vec::with_capacity(steps.len() + 1);
         let mut sum = 0;
         sums.push(sum);
@@ -112,12 +130,12 @@ impl Variable {
                 i
             };
         }
-        Ok(Self {
+        Self {
             weight,
             steps,
             sums,
             run_end,
-        })
+        }
     }
 }
 
