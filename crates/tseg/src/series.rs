@@ -71,15 +71,21 @@ impl Series {
 
     /// The samples in reverse order.
     pub(crate) fn reversed(&self) -> Self {
-        let reversed = |variable: &Variable| {
-            Variable::from_steps(
-                variable.steps.iter().rev().copied().collect(),
-                variable.weight,
-            )
-        };
+        self.rearranged(self.len, |steps| steps.iter().rev().copied().collect())
+    }
+
+    /// The first sample and every `stride`-th after it.
+    pub(crate) fn every(&self, stride: usize) -> Self {
+        let every = |steps: &[i64]| steps.iter().step_by(stride).copied().collect();
+        self.rearranged(self.len.div_ceil(stride), every)
+    }
+
+    fn rearranged(&self, len: usize, rearrange: impl Fn(&[i64]) -> Vec<i64>) -> Self {
+        let rearranged =
+            |variable: &Variable| Variable::from_steps(rearrange(&variable.steps), variable.weight);
         Self {
-            len: self.len,
-            variables: self.variables.iter().map(reversed).collect(),
+            len,
+            variables: self.variables.iter().map(rearranged).collect(),
         }
     }
 

@@ -9,9 +9,15 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::cost::Cost;
+use crate::dynamic::lanes::{LANES, Lanes};
+use crate::dynamic::penalised::{
+    FIRST_RATIO, PENALTIES, Penalised, Penalties, around, between, chord, falling, first_penalties,
+};
 use crate::dynamic::sparse::{Cell, Cells};
-use crate::dynamic::sweep::{Progress, Recurrence, Table, sweep};
-use crate::dynamic::walk::{LANES, Lanes, Walkable};
+use crate::dynamic::sweep::{Progress, sweep};
+use crate::dynamic::table::{Recurrence, Table};
+use crate::dynamic::walk::Walkable;
 use crate::error::Error;
 
 /// What is asked for; `segments · min_length` does not exceed the length of the series.
@@ -28,15 +34,14 @@ pub(crate) struct Certified {
     pub(crate) gap: f64,
 }
 
-/// Penalties per sweep.
-const PENALTIES: usize = 24;
-
-/// Ratio of neighbouring penalties in the first sweep, and of their distances from the target in later ones.
-const FIRST_RATIO: f64 = 1.8;
-const LATER_RATIO: f64 = 2.5;
+/// Every so manyth sample gives the first guess.
+const COARSE: usize = 4;
 
 /// Sweeps over penalties at most; three are enough on all series tried.
 const SWEEPS: usize = 6;
+
+/// Relative difference between the bounds under which the segments that are left are few enough to be listed.
+const NEAR_ENOUGH: f64 = 1e-3;
 
 /// Relative difference under which two costs count as equal.
 const TOLERANCE: f64 = 1e-10;
@@ -44,81 +49,6 @@ const TOLERANCE: f64 = 1e-10;
 /// Segments and values that the last step may hold, 16 and 8 bytes each.
 const MOST_CELLS: usize = 5_000_000;
 const MOST_VALUES: usize = 16_000_000;
-
-/// The optimum of the penalised problem for one penalty.
-#[derive(Debug, Clone)]
-pub(crate) struct Penalised {
-    pub(crate) penalty: f64,
-    pub(crate) boundaries: Vec<usize>,
-    /// Without penalties.
-    pub(crate) cost: f64,
-}
-
-impl Penalised {
-    pub(crate) fn segments(&self) -> usize {
-        self.boundaries.len() - 1
-    }
-}
-
-/// The penalised optima with the penalties given.
-pub(crate) struct Penalties {
-    /// In falling order, so that segments are in rising order.
-    penalties: Vec<f64>,
-    table: Table,
-}
-
-impl Penalties {
-    pub(crate) fn sweep(
-        walkable: &Walkable<'_>,
-        min_length: usize,
-        mut penalties: Vec<f64>,
-        progress: &Progress<'_>,
-    ) -> Result<Self, Error> {
-        penalties.sort_unstable_by(|a, b| b.total_cmp(a));
-        penalties.dedup();
-        let recurrence = Recurrence::Penalised(&penalties);
-        let table = sweep(walkable, min_length, &recurrence, None, progress)?;
-        Ok(Self { penalties, table })
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.penalties.len()
-    }
-
-    pub(crate) fn optimum(&self, walkable: &Walkable<'_>, row: usize) -> Penalised {
-        let boundaries = self.table.boundaries(walkable, row);
-        Penalised {
-            penalty: self.penalties[row],
-            cost: walkable.total(&boundaries),
-            boundaries,
-        }
-    }
-
-    /// The row with the largest lower bound of the cost of so many segments, and that bound.
-    fn bound(&self, segments: usize, at_most: bool) -> (usize, f64) {
-        let bound = |row: usize| {
-            let penalty = self.penalties[row];
-            if at_most && penalty < 0.0 {
-                return f64::NEG_INFINITY;
-            }
-            self.table.value(row, self.table.len()) - penalty * segments as f64
-        };
-        let best = (0..self.len()).max_by(|&a, &b| bound(a).total_cmp(&bound(b)));
-        best.map_or((0, f64::NEG_INFINITY), |row| (row, bound(row)))
-    }
-}
-
-/// Penalties from one that allows a single segment only down to almost none, and none.
-pub(crate) fn first_penalties(walkable: &Walkable<'_>) -> Vec<f64> {
-    let most = walkable.between(0, walkable.series().len());
-    falling(1.000_001 * most, FIRST_RATIO, PENALTIES - 1)
-}
-
-/// `largest`, `largest / ratio`, …, and 0.
-fn falling(largest: f64, ratio: f64, count: usize) -> Vec<f64> {
-    let powers = (0..count).map(|i| largest * ratio.powi(-(i as i32)));
-    powers.chain([0.0]).collect()
-}
 
 struct Search<'a> {
     walkable: &'a Walkable<'a>,
@@ -151,8 +81,21 @@ pub(crate) fn certified(
         bound: None,
     };
     search.add_path(&even(walkable.series().len(), problem.segments));
-    search.narrow()?;
-    search.finish()
+    let mut penalties = search.guessed_penalties()?;
+    loop {
+        let sweep = Penalties::sweep(walkable, problem.min_length, penalties, &search.report())?;
+        search.sweeps += 1;
+        search.learn(sweep);
+        let next = search.next_penalties();
+        let last = next.is_none() || search.sweeps >= SWEEPS;
+        if last || search.spread() <= NEAR_ENOUGH {
+            let found = search.best()?;
+            if last || found.gap <= 0.0 {
+                return Ok(found);
+            }
+        }
+        penalties = next.unwrap_or_default();
+    }
 }
 
 /// Boundaries of so many segments of nearly equal length.
@@ -163,40 +106,58 @@ fn even(len: usize, segments: usize) -> Vec<usize> {
 }
 
 impl Search<'_> {
-    /// Sweeps over ever closer penalties until one has the number of segments asked for, or none can.
-    fn narrow(&mut self) -> Result<(), Error> {
-        let mut penalties = first_penalties(self.walkable);
-        while self.sweeps < SWEEPS {
-            let sweep = Penalties::sweep(
-                self.walkable,
-                self.problem.min_length,
-                penalties,
-                &self.report(),
-            )?;
-            self.sweeps += 1;
-            self.learn(sweep);
-            penalties = match (&self.fewer, &self.more) {
-                (Some(fewer), Some(more)) => {
-                    if fewer.segments() == self.problem.segments
-                        || more.segments() == self.problem.segments
-                    {
-                        return Ok(());
-                    }
-                    let target =
-                        (fewer.cost - more.cost) / (more.segments() - fewer.segments()) as f64;
-                    let on_edge = fewer.cost
-                        + (fewer.segments() as f64 - self.problem.segments as f64) * target;
-                    if self.lower_bound() >= on_edge - TOLERANCE * on_edge.abs() {
-                        return Ok(());
-                    }
-                    around(target, fewer.penalty, more.penalty)
+    /// Penalties around the one that gives the number of segments asked for on every fourth sample, a sixteenth of the
+    /// work.
+    fn guessed_penalties(&self) -> Result<Vec<f64>, Error> {
+        let coarse = self.walkable.series().every(COARSE);
+        let coarse = Walkable::new(&coarse, self.walkable.cost());
+        let min_length = self.problem.min_length.div_ceil(COARSE);
+        let sweep = Penalties::sweep(
+            &coarse,
+            min_length,
+            first_penalties(&coarse),
+            &self.report(),
+        )?;
+        let row = sweep.first_row_with_more(&coarse, self.problem.segments, |_| {});
+        let (most, least) = match (row.checked_sub(1), sweep.penalties.get(row)) {
+            (Some(before), Some(&least)) if least > 0.0 => (sweep.penalties[before], least),
+            _ => return Ok(first_penalties(self.walkable)),
+        };
+        let scale = match self.walkable.cost() {
+            Cost::ZScale | Cost::SquaredError => COARSE as f64,
+            Cost::MeanDeviation => 1.0,
+        };
+        Ok(between(3.0 * scale * most, scale * least / 3.0))
+    }
+
+    /// Penalties that come closer to the number of segments asked for, unless nothing can.
+    fn next_penalties(&self) -> Option<Vec<f64>> {
+        match (&self.fewer, &self.more) {
+            (Some(fewer), Some(more)) => {
+                let hit = [fewer, more]
+                    .iter()
+                    .any(|o| o.segments() == self.problem.segments);
+                if hit || self.spread() <= TOLERANCE {
+                    return None;
                 }
-                // More segments than without a penalty.
-                (Some(_), None) if !self.problem.at_most => self.negative_penalties(),
-                _ => return Ok(()),
-            };
+                Some(around(chord(fewer, more), fewer.penalty, more.penalty))
+            }
+            (Some(fewer), None) if fewer.penalty > 0.0 => Some(first_penalties(self.walkable)),
+            // More segments than without a penalty.
+            (Some(_), None) if !self.problem.at_most => Some(self.negative_penalties()),
+            (Some(_), None) => None,
+            (None, _) => Some(first_penalties(self.walkable)),
         }
-        Ok(())
+    }
+
+    /// Relative difference between the bound and what a mixture of the nearest optima would cost.
+    fn spread(&self) -> f64 {
+        let (Some(fewer), Some(more)) = (&self.fewer, &self.more) else {
+            return f64::INFINITY;
+        };
+        let missing = self.problem.segments - fewer.segments();
+        let cost = fewer.cost - missing as f64 * chord(fewer, more);
+        (cost - self.lower_bound()) / cost.abs().max(f64::MIN_POSITIVE)
     }
 
     fn report(&self) -> impl Fn(f64) -> ControlFlow<()> + Sync + use<'_> {
@@ -220,20 +181,12 @@ impl Search<'_> {
         penalties.into_iter().map(|penalty| -penalty).collect()
     }
 
-    /// Takes from a sweep the two optima around the number of segments asked for, found by bisection, and the bound.
+    /// Takes from a sweep the optima around the number of segments asked for, and the bound.
     fn learn(&mut self, sweep: Penalties) {
-        let (mut low, mut high) = (0, sweep.len());
-        while low < high {
-            let row = (low + high) / 2;
-            let optimum = sweep.optimum(self.walkable, row);
+        sweep.first_row_with_more(self.walkable, self.problem.segments, |optimum| {
             self.add_path(&optimum.boundaries);
-            if optimum.segments() <= self.problem.segments {
-                low = row + 1;
-            } else {
-                high = row;
-            }
             self.remember(optimum);
-        }
+        });
         let (row, bound) = sweep.bound(self.problem.segments, self.problem.at_most);
         if bound > self.lower_bound() {
             self.bound = Some((sweep, row, bound));
@@ -270,32 +223,32 @@ impl Search<'_> {
         }
     }
 
-    fn finish(mut self) -> Result<Certified, Error> {
+    /// The best solution known, or the optimum if the segments that can belong to it are few enough.
+    fn best(&mut self) -> Result<Certified, Error> {
         let Problem {
             segments, at_most, ..
         } = self.problem;
-        let found = Cells::new(std::mem::take(&mut self.cells)).best(segments, at_most);
-        let (mut cost, mut boundaries) = found.ok_or(Error::CostOverflow)?;
-        let Some((sweep, row, bound)) = self.bound.take() else {
+        let known = Cells::new(self.cells.clone()).best(segments, at_most);
+        let (cost, boundaries) = known.ok_or(Error::CostOverflow)?;
+        let Some((sweep, row, bound)) = &self.bound else {
             return Err(Error::CostOverflow);
         };
-        if cost - bound > TOLERANCE * cost.abs()
-            && let Some(cells) = self.survivors(&sweep, row, cost)?
-            && let Some(best) = cells.best(segments, at_most)
-        {
-            (cost, boundaries) = best;
+        let gap = cost - bound;
+        if gap <= TOLERANCE * cost.abs() {
             return Ok(Certified {
                 boundaries,
                 gap: 0.0,
             });
         }
-        let gap = cost - bound;
-        let gap = if gap > TOLERANCE * cost.abs() {
-            gap
-        } else {
-            0.0
-        };
-        Ok(Certified { boundaries, gap })
+        let cells = self.survivors(sweep, *row, cost)?;
+        let best = cells.and_then(|cells| cells.best(segments, at_most));
+        Ok(match best {
+            Some((_, boundaries)) => Certified {
+                boundaries,
+                gap: 0.0,
+            },
+            None => Certified { boundaries, gap },
+        })
     }
 
     /// All segments that a segmentation of at most the given cost can contain. `None` if they are too many.
@@ -360,12 +313,4 @@ impl Search<'_> {
         let cells = Cells::new(cells.into_inner().unwrap_or_default());
         Ok((cells.size(self.problem.segments) <= MOST_VALUES).then_some(cells))
     }
-}
-
-/// Penalties between `most` and `least` that close in on `target`, and the target.
-fn around(target: f64, most: f64, least: f64) -> Vec<f64> {
-    let distances = (1..=PENALTIES as i32 / 2).map(|i| LATER_RATIO.powi(-i));
-    let penalties =
-        distances.flat_map(|d| [target + d * (most - target), target + d * (least - target)]);
-    penalties.chain([target]).collect()
 }

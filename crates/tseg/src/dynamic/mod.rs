@@ -6,16 +6,21 @@ use crate::segmentation::Segmentation;
 use crate::series::Series;
 
 mod certify;
+mod lanes;
 mod path;
+mod penalised;
 mod sparse;
 mod sweep;
+mod table;
 mod walk;
+mod window;
 
 pub use path::{PathPoint, PenaltyPath};
 pub use sweep::Progress;
 
 use certify::{Certified, Problem, certified};
-use sweep::{Recurrence, sweep};
+use sweep::sweep;
+use table::Recurrence;
 use walk::Walkable;
 
 /// Values that the plain recurrence may keep, 12 bytes each; beyond, bounds take its place.
@@ -185,5 +190,61 @@ fn check_finite_costs(cost: Cost, series: &Series) -> Result<(), Error> {
         Ok(())
     } else {
         Err(Error::CostOverflow)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Few levels and constant stretches, or a random walk.
+    fn samples(len: usize) -> impl Strategy<Value = Vec<f64>> {
+        let levels = prop::collection::vec((0..4_i32, 1..9_usize), len).prop_map(move |pieces| {
+            let spread =
+                |(level, run): (i32, usize)| std::iter::repeat_n(f64::from(level) * 0.1, run);
+            pieces
+                .into_iter()
+                .flat_map(spread)
+                .take(len)
+                .collect::<Vec<_>>()
+        });
+        let walk = prop::collection::vec(-0.3..0.3_f64, len).prop_map(|steps| {
+            let walked = steps.into_iter().scan(0.0, |x, step| {
+                *x += step;
+                Some(*x)
+            });
+            walked.collect::<Vec<_>>()
+        });
+        prop_oneof![levels, walk]
+    }
+
+    proptest! {
+        #[test]
+        fn bounds_lead_to_the_optimum_of_the_recurrence(
+            (first, second) in (1..300_usize).prop_flat_map(|len| (samples(len), samples(len))),
+            share in 0.0..1.0_f64,
+            min_length in 1..8_usize,
+            at_most: bool,
+            cost in prop::sample::select(vec![Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError]),
+        ) {
+            let series = Series::new(&[(&first, 1.8), (&second, 1.0)]).unwrap();
+            let min_length = min_length.min(series.len());
+            let most = series.len() / min_length;
+            let segments = 1 + (share * share * (most - 1) as f64) as usize;
+            let problem = Problem { segments, at_most, min_length };
+            let walkable = Walkable::new(&series, cost);
+            let on = |_| ControlFlow::Continue(());
+            let plain = super::plain(&walkable, problem, &on).unwrap();
+            let certified = super::certified(&walkable, problem, &on).unwrap();
+            let (least, found) = (walkable.total(&plain.boundaries), walkable.total(&certified.boundaries));
+            prop_assert!((least - found).abs() <= 1e-9 * least.max(1.0), "{least} against {found}, gap {}", certified.gap);
+            prop_assert!(certified.gap.abs() <= 1e-9 * least.max(1.0), "gap {} of {least}", certified.gap);
+            let count = certified.boundaries.len() - 1;
+            prop_assert!(count == segments || at_most && count < segments);
+            prop_assert!(certified.boundaries.windows(2).all(|b| b[1] - b[0] >= min_length));
+        }
     }
 }

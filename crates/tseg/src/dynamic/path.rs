@@ -1,6 +1,6 @@
 use crate::cost::Cost;
-use crate::dynamic::certify::{Penalised, Penalties, first_penalties};
 use crate::dynamic::check_finite_costs;
+use crate::dynamic::penalised::{Penalised, Penalties, between, first_penalties};
 use crate::dynamic::sweep::Progress;
 use crate::dynamic::walk::Walkable;
 use crate::error::Error;
@@ -53,21 +53,26 @@ impl PenaltyPath {
         }
         check_finite_costs(cost, series)?;
         let walkable = Walkable::new(series, cost);
-        let sweep = Penalties::sweep(&walkable, min_length, first_penalties(&walkable), progress)?;
-        let mut optima: Vec<Penalised> = (0..sweep.len())
-            .map(|row| sweep.optimum(&walkable, row))
-            .collect();
+        let half = |done: f64| progress(done / 2.0);
+        let sweep = Penalties::sweep(&walkable, min_length, first_penalties(&walkable), &half)?;
+        let mut optima = sweep.optima(&walkable);
+        let rough = knee(&optima);
+        let (most, least) = (
+            optima[rough.saturating_sub(1)].penalty,
+            optima[(rough + 1).min(optima.len() - 1)].penalty,
+        );
+        let rest = |done: f64| progress(0.5 + done / 2.0);
+        let sweep = Penalties::sweep(&walkable, min_length, between(most, least), &rest)?;
+        optima.extend(sweep.optima(&walkable));
+        optima.sort_by(|a, b| {
+            a.segments()
+                .cmp(&b.segments())
+                .then(b.penalty.total_cmp(&a.penalty))
+        });
         optima.dedup_by_key(|optimum| optimum.segments());
         let knee = knee(&optima);
-        let point = |optimum: Penalised| PathPoint {
-            penalty: optimum.penalty,
-            cost: optimum.cost,
-            segmentation: Segmentation::from_ordered(optimum.boundaries),
-        };
-        Ok(Self {
-            points: optima.into_iter().map(point).collect(),
-            knee,
-        })
+        let points = optima.into_iter().map(PathPoint::from).collect();
+        Ok(Self { points, knee })
     }
 
     /// The point at the knee.
@@ -77,7 +82,42 @@ impl PenaltyPath {
     }
 }
 
+impl From<Penalised> for PathPoint {
+    fn from(optimum: Penalised) -> Self {
+        Self {
+            penalty: optimum.penalty,
+            cost: optimum.cost,
+            segmentation: Segmentation::from_ordered(optimum.boundaries),
+        }
+    }
+}
+
+/// The optimum farthest below the line from the first to the last, both axes scaled to `[0, 1]` (Satopää et al.). Of
+/// equals the first.
 fn knee(optima: &[Penalised]) -> usize {
-    let _ = optima;
-    0
+    let (Some(first), Some(last)) = (optima.first(), optima.last()) else {
+        return 0;
+    };
+    let position = |value: f64, from: f64, to: f64| {
+        if from.total_cmp(&to).is_eq() {
+            0.0
+        } else {
+            (value - from) / (to - from)
+        }
+    };
+    let below = |optimum: &Penalised| {
+        let x = position(
+            optimum.segments() as f64,
+            first.segments() as f64,
+            last.segments() as f64,
+        );
+        position(optimum.cost, first.cost, last.cost) - x
+    };
+    (1..optima.len()).fold(0, |best, i| {
+        if below(&optima[i]) > below(&optima[best]) {
+            i
+        } else {
+            best
+        }
+    })
 }

@@ -4,25 +4,13 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::dynamic::walk::{LANES, Lanes, Walk, Walkable};
+use crate::dynamic::lanes::{LANES, Lanes, vectorised};
+use crate::dynamic::table::{CHUNK, ROUNDING, Recurrence, Table, chunk_starts};
+use crate::dynamic::walk::{Walk, Walkable};
 use crate::error::Error;
-
-/// Starts that are handled together; where a minimum was found is remembered per chunk.
-const CHUNK: usize = LANES;
-
-/// Relative allowance for the rounding of bounds.
-const ROUNDING: f64 = 1e-12;
 
 /// Ends between which values depend on each other only through stored costs; the rest is done in parallel.
 const BLOCK: usize = 512;
-
-/// What is minimised over the segments `[l, r)`.
-pub(crate) enum Recurrence<'a> {
-    /// `E_k(r) = min_l E_{k−1}(l) + c(l, r)` for `k = 1 … rows`, `E_0(0) = 0`: thesis (3.18).
-    Counted(usize),
-    /// `F_λ(r) = min_l F_λ(l) + c(l, r) + λ`, `F_λ(0) = 0`, a row per `λ`.
-    Penalised(&'a [f64]),
-}
 
 /// Gets the costs of the segments from the starts `l, l + 1, …` to the ends `first_end + 0, …, first_end + LANES − 1`,
 /// and the table so far, in which the values at these starts are final.
@@ -30,151 +18,6 @@ pub(crate) type Visitor<'a> = dyn Fn(&Table, usize, usize, &[Lanes]) + Sync + 'a
 
 /// How far a long computation is, between 0 and 1; `Break` cancels it.
 pub type Progress<'a> = dyn Fn(f64) -> ControlFlow<()> + Sync + 'a;
-
-/// The values of a recurrence at all ends, and where their minima were found.
-pub(crate) struct Table {
-    len: usize,
-    min_length: usize,
-    /// 1 where a row takes its values from the row before, 0 where from itself.
-    shift: usize,
-    penalties: Vec<f64>,
-    /// `[row][end]`, with the start row of a counted recurrence first; infinite where there is no segmentation.
-    values: Vec<f64>,
-    /// What values gain per sample on average, times `0 … CHUNK − 1`.
-    tilt: [f64; CHUNK],
-    /// The least of the values at the starts of each chunk, `[chunk][row]`.
-    floors: Vec<f64>,
-    /// The chunk of the start that gave the minimum, `[row][end]`; of several the first.
-    origins: Vec<u32>,
-}
-
-impl Table {
-    fn new(walkable: &Walkable<'_>, min_length: usize, recurrence: &Recurrence<'_>) -> Self {
-        let len = walkable.series().len();
-        let slope = walkable.between(0, len) / len as f64;
-        let (shift, penalties) = match *recurrence {
-            Recurrence::Counted(rows) => (1, vec![0.0; rows]),
-            Recurrence::Penalised(penalties) => (0, penalties.to_vec()),
-        };
-        let sources = penalties.len() + shift;
-        let mut values = vec![f64::INFINITY; sources * (len + 1)];
-        let starts = if shift == 1 { 1 } else { sources };
-        for row in 0..starts {
-            values[row * (len + 1)] = 0.0;
-        }
-        Self {
-            len,
-            min_length,
-            shift,
-            tilt: std::array::from_fn(|t| slope * t as f64),
-            origins: vec![0; penalties.len() * (len + 1)],
-            floors: vec![f64::INFINITY; sources * (len / CHUNK + 1)],
-            penalties,
-            values,
-        }
-    }
-
-    fn rows(&self) -> usize {
-        self.penalties.len()
-    }
-
-    /// What row `row` reads at the starts `range`.
-    fn source(&self, row: usize, range: std::ops::Range<usize>) -> &[f64] {
-        let first = row * (self.len + 1);
-        &self.values[first + range.start..first + range.end]
-    }
-
-    fn sources(&self) -> usize {
-        self.penalties.len() + self.shift
-    }
-
-    /// A lower bound of what every row reads at the starts of a chunk.
-    fn floors(&self, chunk: usize) -> &[f64] {
-        &self.floors[chunk * self.sources()..][..self.rows()]
-    }
-
-    /// Takes note of the final values at the starts of a chunk.
-    fn close_chunk(&mut self, chunk: usize) {
-        let starts = chunk * CHUNK..(chunk * CHUNK + CHUNK).min(self.len + 1);
-        let sources = self.sources();
-        for row in 0..sources {
-            let tilted = self
-                .source(row, starts.clone())
-                .iter()
-                .zip(&self.tilt)
-                .map(|(value, offset)| value - offset);
-            let floor = tilted.fold(f64::INFINITY, f64::min);
-            let floor = floor - ROUNDING * floor.abs();
-            self.floors[chunk * sources + row] = floor;
-        }
-    }
-
-    /// Number of samples.
-    pub(crate) fn len(&self) -> usize {
-        self.len
-    }
-
-    /// The value of row `row`, counted from 0, at `end`.
-    pub(crate) fn value(&self, row: usize, end: usize) -> f64 {
-        self.values[(row + self.shift) * (self.len + 1) + end]
-    }
-
-    /// The segmentation behind `value(row, len)`, as boundaries; of several optima the one whose last segment starts
-    /// first, recursively. There must be one.
-    pub(crate) fn boundaries(&self, walkable: &Walkable<'_>, row: usize) -> Vec<usize> {
-        let mut walk = walkable.walk();
-        let mut boundaries = vec![self.len];
-        let (mut row, mut end) = (row, self.len);
-        while end > 0 {
-            end = self.start_of_last(walkable, &mut walk, row, end);
-            boundaries.push(end);
-            row = row.saturating_sub(self.shift);
-        }
-        boundaries.reverse();
-        boundaries
-    }
-
-    fn start_of_last(
-        &self,
-        walkable: &Walkable<'_>,
-        walk: &mut Walk<'_>,
-        row: usize,
-        end: usize,
-    ) -> usize {
-        let first_end = end / LANES * LANES;
-        let origin = self.origins[row * (self.len + 1) + end] as usize;
-        let chunk = origin * CHUNK..((origin + 1) * CHUNK).min(end + 1 - self.min_length);
-        let mut best = (f64::INFINITY, chunk.start);
-        let mut consider = |l: usize, cost: f64| {
-            let value = self.values[row * (self.len + 1) + l] + cost;
-            if value < best.0 {
-                best = (value, l);
-            }
-        };
-        if chunk.start < first_end {
-            let mut costs = [Lanes::all(0.0); CHUNK];
-            walk.begin(first_end);
-            for lo in chunk_starts(0, first_end).rev() {
-                let hi = (lo / CHUNK * CHUNK + CHUNK).min(first_end);
-                vectorised(WalkTo {
-                    walk,
-                    lo,
-                    costs: &mut costs[..hi - lo],
-                });
-                if lo <= chunk.start {
-                    break;
-                }
-            }
-            for l in chunk.start..chunk.end.min(first_end) {
-                consider(l, costs[l - chunk.start][end - first_end]);
-            }
-        }
-        for l in chunk.start.max(first_end)..chunk.end {
-            consider(l, walkable.between(l, end));
-        }
-        best.1
-    }
-}
 
 /// Runs the recurrence over the whole series, segments of at least `min_length` samples.
 pub(crate) fn sweep(
@@ -222,26 +65,6 @@ pub(crate) fn sweep(
     Ok(table)
 }
 
-/// A kernel is compiled once per instruction set and run with the best that the processor has. Rust contracts no
-/// multiplications and additions, so results do not depend on which.
-pub(crate) fn vectorised<K: pulp::NullaryFnOnce>(kernel: K) -> K::Output {
-    pulp::Arch::new().dispatch(kernel)
-}
-
-struct WalkTo<'a, 'b> {
-    walk: &'a mut Walk<'b>,
-    lo: usize,
-    costs: &'a mut [Lanes],
-}
-
-impl pulp::NullaryFnOnce for WalkTo<'_, '_> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        self.walk.walk_to(self.lo, self.costs);
-    }
-}
-
 struct FromBefore<'a, 'b> {
     table: &'a Table,
     walk: &'a mut Walk<'b>,
@@ -279,11 +102,6 @@ impl pulp::NullaryFnOnce for Finish<'_, '_> {
         self.tile
             .finish(self.walkable, self.table, self.block, self.visitor);
     }
-}
-
-/// First starts of the chunks of `lo..hi`.
-fn chunk_starts(lo: usize, hi: usize) -> std::iter::StepBy<std::ops::Range<usize>> {
-    (lo..hi).step_by(CHUNK)
 }
 
 /// The values at `LANES` ends while they are being found.
@@ -341,25 +159,13 @@ impl Tile {
         {
             self.take_chunk(table, lo, chunk, visitor, |found, best| found < best);
         }
-        for j in 0..LANES.min(table.len + 1 - self.first_end) {
-            let end = self.first_end + j;
-            for l in self.first_end..(end + 1).saturating_sub(table.min_length) {
-                let cost = walkable.between(l, end);
-                self.take_one(table, cost, l, j);
-                if let Some(visitor) = visitor {
-                    let mut alone = Lanes::all(f64::INFINITY);
-                    alone[j] = cost;
-                    visitor(table, self.first_end, l, &[alone]);
-                }
-            }
-            if end > 0 {
-                for row in 0..table.rows() {
-                    let at = row * (table.len + 1) + end;
-                    table.values[at + table.shift * (table.len + 1)] =
-                        self.best[row][j] + table.penalties[row];
-                    table.origins[at] = self.origin[row][j];
-                }
-            }
+        let inner = self.inner_costs(walkable, table.min_length);
+        let lanes = LANES.min(table.len() + 1 - self.first_end);
+        for row in 0..table.rows() {
+            self.take_inner(table, row, &inner[..lanes]);
+        }
+        if let Some(visitor) = visitor {
+            visitor(table, self.first_end, self.first_end, &inner[..lanes]);
         }
         table.close_chunk(self.first_end / CHUNK);
     }
@@ -416,13 +222,34 @@ impl Tile {
         }
     }
 
-    /// Improves the tile by one segment that starts in it.
-    fn take_one(&mut self, table: &Table, cost: f64, l: usize, lane: usize) {
-        for row in 0..table.rows() {
-            let value = table.values[row * (table.len + 1) + l] + cost;
-            if value < self.best[row][lane] {
-                self.best[row][lane] = value;
-                self.origin[row][lane] = (l / CHUNK) as u32;
+    /// Costs of the segments that start and end in the tile.
+    fn inner_costs(&self, walkable: &Walkable<'_>, min_length: usize) -> [Lanes; LANES] {
+        let mut costs = [Lanes::all(f64::INFINITY); LANES];
+        let ends = LANES.min(walkable.series().len() + 1 - self.first_end);
+        for (l, row) in costs.iter_mut().enumerate() {
+            for j in l + min_length..ends {
+                row[j] = walkable.between(self.first_end + l, self.first_end + j);
+            }
+        }
+        costs
+    }
+
+    /// Improves a row by the segments that start in the tile, and puts it into the table.
+    #[inline(always)]
+    fn take_inner(&mut self, table: &mut Table, row: usize, inner: &[Lanes]) {
+        let (best, origin) = (&mut self.best[row], &mut self.origin[row]);
+        let chunk = (self.first_end / CHUNK) as u32;
+        for (l, costs) in inner.iter().enumerate() {
+            let end = self.first_end + l;
+            if end > 0 {
+                table.put(row, end, best[l], origin[l]);
+            }
+            let before = table.source(row, end..end + 1)[0];
+            for j in 0..LANES {
+                let value = before + costs[j];
+                let better = value < best[j];
+                best[j] = if better { value } else { best[j] };
+                origin[j] = if better { chunk } else { origin[j] };
             }
         }
     }

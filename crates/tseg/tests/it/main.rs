@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod dynamic;
 mod laws;
 mod reference;
 mod regression;
