@@ -9,5 +9,6 @@
 
 mod laws;
 mod reference;
+mod reference_merging;
 mod regression;
 mod rivals;
