@@ -38,7 +38,7 @@ impl Multiset {
 
     fn unite_equal(&mut self) {
         self.values.dedup_by(|next, kept| {
-            let equal = next.0 == kept.0;
+            let equal = next.0.total_cmp(&kept.0).is_eq();
             kept.1 += if equal { next.1 } else { 0 };
             equal
         });
