@@ -16,7 +16,7 @@
 //! - [`BottomUp`] merges the cheapest pair of neighbours until the cheapest costs more than a threshold;
 //! - [`Swab`] does so in a sliding window, in one pass over the samples;
 //! - [`runs`] groups neighbours of equal label;
-//! - [`merge()`] joins similar neighbours of a segmentation afterwards, [`merge_percentile`] by their percentiles;
+//! - [`merge_similar`] joins neighbours afterwards where a [`Similarity`] says so, [`Merging`] does it in a stream;
 //! - [`Metrics`] says how long and how pure the segments are.
 //!
 //! Samples are indexed from 0, segments are half-open. The units of the variables are the caller's; [`Scale`] makes
@@ -25,7 +25,7 @@
 //! # Example
 //!
 //! ```
-//! use tseg::{Cost, Metrics, Segmentation, Series, Swab, merge_percentile};
+//! use tseg::{Cost, Metrics, Segmentation, Series, Similarity, Swab, merge_similar};
 //!
 //! let speed = [0.0, 0.0, 0.0, 0.5, 1.5, 2.5, 3.5, 4.0, 4.0, 4.0];
 //! let accel = [0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0];
@@ -34,7 +34,7 @@
 //! let fine: Segmentation = Swab::new(Cost::MeanDeviation, 0.4, 100)?.segment(&series);
 //! assert_eq!(fine.boundaries(), [0, 3, 4, 5, 6, 7, 10]);
 //!
-//! let coarse = merge_percentile(&accel, &fine, 0.64)?;
+//! let coarse = merge_similar(&accel, &fine, Similarity::percentile())?;
 //! assert_eq!(coarse.boundaries(), [0, 3, 7, 10]);
 //! assert_eq!(Metrics::new(&accel, &coarse)?.positive_share_pct, Some(100.0));
 //! # Ok::<(), tseg::Error>(())
@@ -46,13 +46,16 @@
 //!   Conference on Data Mining, 2001.
 //! - Equation, table and algorithm numbers are those of the thesis that drivekit implements, section 3.1.
 
+mod association;
 mod bottom_up;
 mod cost;
 mod dynamic;
 mod error;
 mod heuristic;
+mod mean_comparison;
 mod merge;
 mod metrics;
+mod multiset;
 mod percentile;
 mod scale;
 mod segmentation;
@@ -60,14 +63,15 @@ mod series;
 mod swab;
 mod tournament;
 
+pub use association::association_similarity;
 pub use bottom_up::BottomUp;
 pub use cost::Cost;
 pub use dynamic::{Certificate, Dynamic, Optimum, PathPoint, PenaltyPath, Progress};
 pub use error::Error;
 pub use heuristic::runs;
-pub use merge::merge;
+pub use merge::{Merging, Similarity, merge_percentile, merge_similar};
 pub use metrics::Metrics;
-pub use percentile::{merge_percentile, percentile_similarity};
+pub use percentile::percentile_similarity;
 pub use scale::Scale;
 pub use segmentation::Segmentation;
 pub use series::Series;

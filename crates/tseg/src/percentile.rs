@@ -1,6 +1,5 @@
-use crate::error::{Error, check_finite, check_length, check_threshold};
-use crate::merge::merge;
-use crate::segmentation::Segmentation;
+use crate::error::{Error, check_finite};
+use crate::multiset::Multiset;
 
 /// The percentiles compared, as fractions.
 const LEVELS: [f64; 5] = [0.10, 0.25, 0.50, 0.75, 0.90];
@@ -21,49 +20,12 @@ pub fn percentile_similarity(x: &[f64], y: &[f64]) -> Result<f64, Error> {
     }
     check_finite(0, x)?;
     check_finite(1, y)?;
-    let percentiles = |samples: &[f64]| {
-        let mut sorted = samples.to_vec();
-        sorted.sort_unstable_by(f64::total_cmp);
-        hazen(&sorted)
-    };
-    Ok(similarity(&percentiles(x), &percentiles(y)))
+    Ok(percentile(&Multiset::new(x), &Multiset::new(y)))
 }
 
-/// Merges neighbours whose [`percentile_similarity`] on `signal`, one value per sample, exceeds the threshold.
-///
-/// One pass as in [`merge`]; percentiles of an accumulated segment are those of all its samples. The thesis applies it
-/// to acceleration with the threshold 0.64.
-///
-/// # Errors
-///
-/// [`Error::Length`], [`Error::NotFinite`], [`Error::Threshold`].
-pub fn merge_percentile(
-    signal: &[f64],
-    segmentation: &Segmentation,
-    threshold: f64,
-) -> Result<Segmentation, Error> {
-    check_length(0, signal.len(), segmentation.sample_count())?;
-    check_finite(0, signal)?;
-    let threshold = check_threshold(threshold)?;
-    // The accumulated samples in order. Sorting two sorted runs one after the other is a linear merge.
-    let mut sorted: Vec<f64> = Vec::new();
-    let mut next_sorted: Vec<f64> = Vec::new();
-    Ok(merge(segmentation, |accumulated, next| {
-        if sorted.is_empty() {
-            sorted.extend(&signal[accumulated]);
-            sorted.sort_unstable_by(f64::total_cmp);
-        }
-        next_sorted.clear();
-        next_sorted.extend(&signal[next]);
-        next_sorted.sort_unstable_by(f64::total_cmp);
-        let similar = similarity(&hazen(&sorted), &hazen(&next_sorted)) > threshold;
-        if !similar {
-            sorted.clear();
-        }
-        sorted.extend(&next_sorted);
-        sorted.sort_by(f64::total_cmp);
-        similar
-    }))
+/// The same for samples that are checked.
+pub(crate) fn percentile(x: &Multiset, y: &Multiset) -> f64 {
+    similarity(&hazen(x), &hazen(y))
 }
 
 fn similarity(x: &[f64; 5], y: &[f64; 5]) -> f64 {
@@ -75,17 +37,21 @@ fn similarity(x: &[f64; 5], y: &[f64; 5]) -> f64 {
     1.0 / (1.0 + distance / intervals as f64)
 }
 
-/// Percentiles of sorted samples, at least one, by Hazen's rule.
-fn hazen(sorted: &[f64]) -> [f64; 5] {
-    let last = sorted.len() - 1;
+/// Percentiles of at least one sample, by Hazen's rule.
+fn hazen(samples: &Multiset) -> [f64; 5] {
+    let n = samples.count();
+    let (mut rest, mut passed) = (samples.values(), 0);
     LEVELS.map(|level| {
-        let position = (level * sorted.len() as f64 - 0.5).clamp(0.0, last as f64);
-        let below = position.floor();
-        let (low, high) = (
-            sorted[below as usize],
-            sorted[(below as usize + 1).min(last)],
-        );
-        low + (position - below) * (high - low)
+        let position = (level * n as f64 - 0.5).clamp(0.0, n as f64 - 1.0);
+        let below = position as usize;
+        while passed + rest[0].1 <= below {
+            passed += rest[0].1;
+            rest = &rest[1..];
+        }
+        let (low, count) = rest[0];
+        let is_last = passed + count <= below + 1;
+        let high = rest.get(usize::from(is_last)).map_or(low, |next| next.0);
+        low + (position - below as f64) * (high - low)
     })
 }
 
@@ -96,10 +62,16 @@ mod tests {
 
     #[test]
     fn hazen_by_hand() {
-        assert_eq!(hazen(&[7.0]), [7.0; 5]);
-        assert_eq!(hazen(&[1.0, 3.0]), [1.0, 1.0, 2.0, 3.0, 3.0]);
+        assert_eq!(hazen(&Multiset::new(&[7.0])), [7.0; 5]);
+        assert_eq!(
+            hazen(&Multiset::new(&[3.0, 1.0])),
+            [1.0, 1.0, 2.0, 3.0, 3.0]
+        );
         let ten: Vec<f64> = (1..=10).map(f64::from).collect();
-        for (p, expected) in hazen(&ten).iter().zip([1.5, 3.0, 5.5, 8.0, 9.5]) {
+        for (p, expected) in hazen(&Multiset::new(&ten))
+            .iter()
+            .zip([1.5, 3.0, 5.5, 8.0, 9.5])
+        {
             assert!((p - expected).abs() < 1e-12);
         }
     }
@@ -114,17 +86,5 @@ mod tests {
             Error::NoSamples
         );
         assert!(percentile_similarity(&x, &[f64::NAN]).is_err());
-    }
-
-    #[test]
-    fn merges_levels_that_are_alike() {
-        let signal = [1.0, 1.0, 1.2, 1.2, 5.0, 5.0];
-        let segmentation = Segmentation::from_boundaries(vec![0, 2, 4, 6]).unwrap();
-        let merged = merge_percentile(&signal, &segmentation, 0.64).unwrap();
-        assert_eq!(merged.boundaries(), [0, 4, 6]);
-        assert!(matches!(
-            merge_percentile(&signal[1..], &segmentation, 0.64),
-            Err(Error::Length { .. })
-        ));
     }
 }

@@ -10,5 +10,6 @@
 mod dynamic;
 mod laws;
 mod reference;
+mod reference_merging;
 mod regression;
 mod rivals;
