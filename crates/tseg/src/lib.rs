@@ -48,9 +48,11 @@
 
 mod bottom_up;
 mod cost;
+mod deviation;
 mod error;
 mod heuristic;
 mod merge;
+mod merger;
 mod metrics;
 mod percentile;
 mod scale;
@@ -58,8 +60,9 @@ mod segmentation;
 mod series;
 mod swab;
 mod tournament;
+mod window;
 
-pub use bottom_up::BottomUp;
+pub use bottom_up::{BottomUp, Stop};
 pub use cost::Cost;
 pub use error::Error;
 pub use heuristic::runs;

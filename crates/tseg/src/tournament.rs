@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 /// Keys `0..n` under a binary tree of minima: a change and the leftmost minimum cost `O(log n)` each.
 #[derive(Debug, Default)]
 pub(crate) struct Tournament {
@@ -30,6 +32,12 @@ impl Tournament {
             node /= 2;
             self.nodes[node] = self.nodes[2 * node].min(self.nodes[2 * node + 1]);
         }
+    }
+
+    pub(crate) fn all_finite(&self, keys: Range<usize>) -> bool {
+        let leaves = self.nodes.len() / 2;
+        keys.into_iter()
+            .all(|key| self.nodes[leaves + key].is_finite())
     }
 
     /// The leftmost smallest key and its value, unless every key is infinite.
