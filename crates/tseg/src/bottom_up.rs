@@ -34,7 +34,7 @@ pub struct BottomUp {
 }
 
 /// Samples that are segmented at once: few enough for the processor's cache, many enough to make joints rare.
-const BLOCK: usize = 512;
+const BLOCK: usize = 4096;
 
 impl BottomUp {
     /// A threshold in units of the cost, and the default stop rule.

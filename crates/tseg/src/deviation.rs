@@ -19,6 +19,9 @@ const EXACT: f64 = 2_199_023_255_552.0;
 /// With `⌊x̄⌋` the mean rounded down to the grid, `Σ|x − x̄| = Σ|x − ⌊x̄⌋| + (x̄ − ⌊x̄⌋) (#{x ≤ x̄} − #{x > x̄})`, where the
 /// first sum is one of integers and the fraction is below 1, so that nothing cancels.
 pub(crate) fn absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
+    if let [first, second] = variable.steps[start..end] {
+        return (first - second).abs() as f64 / STEPS_PER_UNIT;
+    }
     let (mean, floor) = mean(variable, start, end);
     let (sum, excess) = scan(variable, start..end, floor)
         .unwrap_or_else(|| scan_integers(variable, start..end, floor));
@@ -37,7 +40,7 @@ fn scan(variable: &Variable, range: Range<usize>, floor: i64) -> Option<(f64, f6
     let mut total = 0.0;
     while start < end {
         let run = (variable.run_len[end - 1] as usize).min(end - start);
-        if run >= CHUNK {
+        if run > CHUNK {
             end -= run;
             total += run as f64 * distance(variable.steps[end], floor);
         } else {

@@ -74,7 +74,7 @@ impl Merger {
         self.previous.extend(0..last);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.reset(last);
-        candidates.fill(1, (1..last).map(|i| self.candidate(series, i - 1, i + 1)));
+        candidates.fill(1, (1..last).map(|i| self.candidate(series, i)));
         self.candidates = candidates;
     }
 
@@ -100,7 +100,7 @@ impl Merger {
         let mut within = true;
         for boundary in [start, end] {
             if boundary != 0 && boundary != last {
-                let cost = self.candidate(series, self.previous[boundary], self.next[boundary]);
+                let cost = self.candidate(series, boundary);
                 within &= cost.is_finite();
                 self.candidates.set(boundary, cost);
             }
@@ -114,6 +114,14 @@ impl Merger {
         self.candidates.all_finite(1..last)
     }
 
+    pub(crate) fn first_end(&self) -> usize {
+        self.boundaries[self.next[0]]
+    }
+
+    pub(crate) fn last_start(&self) -> usize {
+        self.boundaries[self.previous[self.boundaries.len() - 1]]
+    }
+
     /// Segment ends, from left to right.
     pub(crate) fn ends(&self) -> impl Iterator<Item = usize> + '_ {
         let last = self.boundaries.len() - 1;
@@ -121,8 +129,10 @@ impl Merger {
         std::iter::successors(after(&0), after).map(|boundary| self.boundaries[boundary])
     }
 
-    fn candidate(&self, series: &Series, start: usize, end: usize) -> f64 {
-        let (start, end) = (self.boundaries[start], self.boundaries[end]);
+    /// What it costs to remove the boundary, infinite if that is above the threshold.
+    fn candidate(&self, series: &Series, boundary: usize) -> f64 {
+        let start = self.boundaries[self.previous[boundary]];
+        let end = self.boundaries[self.next[boundary]];
         let cost = self.cost.between(series, start, end);
         if cost <= self.threshold {
             cost
