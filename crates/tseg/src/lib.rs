@@ -49,11 +49,13 @@
 mod association;
 mod bottom_up;
 mod cost;
+mod deviation;
 mod dynamic;
 mod error;
 mod heuristic;
 mod mean_comparison;
 mod merge;
+mod merger;
 mod metrics;
 mod multiset;
 mod percentile;
@@ -62,9 +64,10 @@ mod segmentation;
 mod series;
 mod swab;
 mod tournament;
+mod window;
 
 pub use association::association_similarity;
-pub use bottom_up::BottomUp;
+pub use bottom_up::{BottomUp, Stop};
 pub use cost::Cost;
 pub use dynamic::{Certificate, Dynamic, Optimum, PathPoint, PenaltyPath, Progress};
 pub use error::Error;

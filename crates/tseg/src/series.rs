@@ -18,16 +18,18 @@ pub struct Series {
     variables: Vec<Variable>,
 }
 
-/// One variable on the grid.
+/// One variable on the grid; samples may be appended.
 #[derive(Debug, Clone)]
 pub(crate) struct Variable {
     pub(crate) weight: f64,
     /// Samples in grid steps, length `n`.
     pub(crate) steps: Vec<i64>,
-    /// `sums[i]` is the sum of the first `i` samples, length `n + 1`.
-    pub(crate) sums: Vec<i64>,
-    /// `run_end[i]` is one past the last sample of the run of equal samples that holds sample `i`, length `n`.
-    pub(crate) run_end: Vec<usize>,
+    /// `sums[j] − sums[i]`, wrapping, is the sum of the samples `i..j`; length `n + 1`.
+    sums: Vec<i64>,
+    /// `run_len[i]` is how many samples up to and including sample `i` have its value without a break, length `n`.
+    pub(crate) run_len: Vec<u32>,
+    /// The largest magnitude of a sample, in grid steps.
+    pub(crate) largest: i64,
 }
 
 impl Series {
@@ -71,18 +73,21 @@ impl Series {
 
     /// The samples in reverse order.
     pub(crate) fn reversed(&self) -> Self {
-        self.rearranged(self.len, |steps| steps.iter().rev().copied().collect())
+        self.rearranged(self.len, |i| self.len - 1 - i)
     }
 
     /// The first sample and every `stride`-th after it.
     pub(crate) fn every(&self, stride: usize) -> Self {
-        let every = |steps: &[i64]| steps.iter().step_by(stride).copied().collect();
-        self.rearranged(self.len.div_ceil(stride), every)
+        self.rearranged(self.len.div_ceil(stride), |i| i * stride)
     }
 
-    fn rearranged(&self, len: usize, rearrange: impl Fn(&[i64]) -> Vec<i64>) -> Self {
-        let rearranged =
-            |variable: &Variable| Variable::from_steps(rearrange(&variable.steps), variable.weight);
+    /// `len` samples, the `i`-th of which is the `from(i)`-th here.
+    fn rearranged(&self, len: usize, from: impl Fn(usize) -> usize) -> Self {
+        let rearranged = |variable: &Variable| {
+            let mut copy = Variable::empty(variable.weight, len);
+            (0..len).for_each(|i| copy.push_step(variable.steps[from(i)]));
+            copy
+        };
         Self {
             len,
             variables: self.variables.iter().map(rearranged).collect(),
@@ -93,12 +98,10 @@ impl Series {
         &self.variables
     }
 
-    /// One past the last sample up to which every variable keeps its value of `sample`.
-    pub(crate) fn constant_until(&self, sample: usize) -> usize {
-        self.variables
-            .iter()
-            .map(|variable| variable.run_end[sample])
-            .fold(self.len, usize::min)
+    /// The first sample from which on every variable keeps its value up to `sample`.
+    pub(crate) fn constant_since(&self, sample: usize) -> usize {
+        let runs = self.variables.iter().map(|v| v.run_len[sample] as usize);
+        (sample + 1).saturating_sub(runs.fold(usize::MAX, usize::min))
     }
 }
 
@@ -113,35 +116,55 @@ impl Variable {
                 limit,
             });
         }
-        let steps: Vec<i64> = samples
-            .iter()
-            .map(|x| (x * STEPS_PER_UNIT).round_ties_even() as i64)
-            .collect();
-        Ok(Self::from_steps(steps, weight))
+        let mut variable = Self::empty(weight, samples.len());
+        for &x in samples {
+            variable.push(x);
+        }
+        Ok(variable)
     }
 
-    fn from_steps(steps: Vec<i64>, weight: f64) -> Self {
-        let mut sums = Vec::with_capacity(steps.len() + 1);
-        let mut sum = 0;
-        sums.push(sum);
-        for x in &steps {
-            sum += x;
-            sums.push(sum);
-        }
-        let mut run_end = vec![steps.len(); steps.len()];
-        for i in (1..steps.len()).rev() {
-            run_end[i - 1] = if steps[i - 1] == steps[i] {
-                run_end[i]
-            } else {
-                i
-            };
-        }
+    fn empty(weight: f64, capacity: usize) -> Self {
+        let mut sums = Vec::with_capacity(capacity + 1);
+        sums.push(0);
         Self {
             weight,
-            steps,
+            steps: Vec::with_capacity(capacity),
             sums,
-            run_end,
+            run_len: Vec::with_capacity(capacity),
+            largest: 0,
         }
+    }
+
+    fn push(&mut self, sample: f64) {
+        self.push_step((sample * STEPS_PER_UNIT).round_ties_even() as i64);
+    }
+
+    fn push_step(&mut self, step: i64) {
+        let run = match self.steps.last() {
+            Some(&last) if last == step => self.run_len[self.steps.len() - 1].saturating_add(1),
+            _ => 1,
+        };
+        self.run_len.push(run);
+        self.steps.push(step);
+        self.sums
+            .push(self.sums[self.sums.len() - 1].wrapping_add(step));
+        self.largest = self.largest.max(step.abs());
+    }
+
+    /// Sum of the samples `start..end` in grid steps.
+    pub(crate) fn sum(&self, start: usize, end: usize) -> i64 {
+        self.sums[end].wrapping_sub(self.sums[start])
+    }
+
+    /// The first sample from which on all before `end` are equal; `end` where there is none before or `end` is too large.
+    pub(crate) fn constant_since(&self, end: usize) -> usize {
+        let run = end.checked_sub(1).and_then(|last| self.run_len.get(last));
+        end.saturating_sub(run.map_or(0, |&run| run as usize))
+    }
+
+    /// Whether the samples `start..end`, at least one, are equal. Misses runs of more than `u32::MAX` samples.
+    pub(crate) fn is_constant(&self, start: usize, end: usize) -> bool {
+        self.run_len[end - 1] as usize >= end - start
     }
 }
 
@@ -201,7 +224,7 @@ mod tests {
     fn joint_runs_end_where_any_variable_changes() {
         let series =
             Series::new(&[(&[1.0, 1.0, 1.0, 2.0], 1.0), (&[0.0, 0.0, 5.0, 5.0], 1.0)]).unwrap();
-        let ends: Vec<_> = (0..4).map(|i| series.constant_until(i)).collect();
-        assert_eq!(ends, [2, 2, 3, 4]);
+        let starts: Vec<_> = (0..4).map(|i| series.constant_since(i)).collect();
+        assert_eq!(starts, [0, 0, 2, 3]);
     }
 }

@@ -1,10 +1,8 @@
-use std::collections::VecDeque;
-
-use crate::bottom_up::{Merge, Merger};
 use crate::cost::Cost;
 use crate::error::{Error, check_threshold};
 use crate::segmentation::Segmentation;
 use crate::series::Series;
+use crate::window::Window;
 
 /// How [`Swab`] refills its window after a segment has left it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -100,141 +98,6 @@ impl Swab {
                 end
             }
             Refill::Fixed => start.saturating_add(self.window).min(n),
-        }
-    }
-}
-
-/// A part `start..end` of the series with its bottom-up segmentation, kept up to date as samples leave on the left and
-/// come in on the right.
-///
-/// Bottom-up is a greedy choice among independent candidates, so its result cuts the samples into parts that never
-/// interacted: a part that ends on boundaries of the result has, on its own, the same merges in the same order.
-/// Conversely, parts segmented on their own are together the result for the whole if no boundary between neighbouring
-/// parts is ever the cheapest candidate while the merges on either side of it happen. Hence emitting a segment changes
-/// nothing, and new samples are segmented with only as many old segments as [`Window::boundary_holds`] asks for.
-#[derive(Debug)]
-struct Window {
-    start: usize,
-    end: usize,
-    /// Ends of the segments, the last of them `end`.
-    ends: VecDeque<usize>,
-    /// The merges that made the segments: segment by segment, within each in the order in which they happened.
-    merges: VecDeque<Merge>,
-    merger: Merger,
-    /// Ends and merges of the samples segmented last, before they become part of the window.
-    fresh_ends: Vec<usize>,
-    fresh_merges: Vec<Merge>,
-}
-
-impl Window {
-    fn new(cost: Cost, threshold: f64) -> Self {
-        Self {
-            start: 0,
-            end: 0,
-            ends: VecDeque::new(),
-            merges: VecDeque::new(),
-            merger: Merger::new(cost, threshold),
-            fresh_ends: Vec::new(),
-            fresh_merges: Vec::new(),
-        }
-    }
-
-    /// Removes the leftmost segment and returns its end.
-    fn pop_front(&mut self) -> Option<usize> {
-        let end = self.ends.pop_front()?;
-        self.start = end;
-        while self.merges.front().is_some_and(|merge| merge.end <= end) {
-            self.merges.pop_front();
-        }
-        Some(end)
-    }
-
-    /// Takes in the samples up to `end`.
-    fn extend(&mut self, series: &Series, end: usize) {
-        if end <= self.end {
-            return;
-        }
-        // The last segment ended where the window did, seldom where it should.
-        let mut kept = self.ends.len().saturating_sub(1);
-        self.segment_fresh(series, self.start_of(kept), end);
-        while kept > 0 && !self.boundary_holds(series, kept - 1) {
-            // Segment anew one old segment more at least, and twice the length, so that all attempts together take
-            // about twice the time of the last.
-            let from = self.start_of(kept);
-            let target = from.saturating_sub(end - from);
-            kept = self.ends.partition_point(|&e| e <= target).min(kept - 1);
-            self.segment_fresh(series, self.start_of(kept), end);
-        }
-        let from = self.start_of(kept);
-        self.ends.truncate(kept);
-        self.ends.extend(&self.fresh_ends);
-        self.merges
-            .truncate(self.merges.partition_point(|merge| merge.end <= from));
-        self.merges.extend(&self.fresh_merges);
-        self.end = end;
-    }
-
-    /// Where segment number `segment` of the window starts.
-    fn start_of(&self, segment: usize) -> usize {
-        if segment == 0 {
-            self.start
-        } else {
-            self.ends[segment - 1]
-        }
-    }
-
-    fn segment_fresh(&mut self, series: &Series, start: usize, end: usize) {
-        let (merges, ends) = (&mut self.fresh_merges, &mut self.fresh_ends);
-        merges.clear();
-        self.merger
-            .run(series, start..end, |merge| merges.push(merge));
-        ends.clear();
-        ends.extend(self.merger.ends());
-        merges.sort_by_key(|merge| ends.partition_point(|&e| e < merge.end));
-    }
-
-    /// Whether bottom-up on segment number `left` of the window and the first fresh one keeps the boundary between them.
-    ///
-    /// Replays the merges of both in the order in which they would happen together, the removal of the boundary being
-    /// one candidate more.
-    fn boundary_holds(&self, series: &Series, left: usize) -> bool {
-        let (left_start, boundary) = (self.start_of(left), self.ends[left]);
-        let right_end = self.fresh_ends.first().copied().unwrap_or(boundary);
-        let first = self.merges.partition_point(|merge| merge.end <= left_start);
-        let past = self.merges.partition_point(|merge| merge.end <= boundary);
-        let mut on_left = self.merges.range(first..past).peekable();
-        let mut on_right = self
-            .fresh_merges
-            .iter()
-            .take_while(|merge| merge.end <= right_end)
-            .peekable();
-
-        let mut start = boundary - 1;
-        while start > left_start && series.constant_until(start - 1) >= boundary {
-            start -= 1;
-        }
-        let mut end = series.constant_until(boundary).min(right_end);
-        let mut removal = self.merger.cost.between(series, start, end);
-        loop {
-            let left_cost = on_left.peek().map_or(f64::INFINITY, |merge| merge.cost);
-            let right_cost = on_right.peek().map_or(f64::INFINITY, |merge| merge.cost);
-            if removal <= self.merger.threshold && removal < left_cost && removal <= right_cost {
-                return false;
-            }
-            let next = if left_cost <= right_cost {
-                on_left.next()
-            } else {
-                on_right.next()
-            };
-            let Some(merge) = next else { return true };
-            if merge.middle == start {
-                start = merge.start;
-            } else if merge.middle == end {
-                end = merge.end;
-            } else {
-                continue;
-            }
-            removal = self.merger.cost.between(series, start, end);
         }
     }
 }

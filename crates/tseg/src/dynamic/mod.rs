@@ -6,6 +6,7 @@ use crate::segmentation::Segmentation;
 use crate::series::Series;
 
 mod certify;
+mod growing_windows;
 mod lanes;
 mod path;
 mod penalised;
@@ -13,7 +14,6 @@ mod sparse;
 mod sweep;
 mod table;
 mod walk;
-mod window;
 
 pub use path::{PathPoint, PenaltyPath};
 pub use sweep::Progress;

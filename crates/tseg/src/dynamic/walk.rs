@@ -1,9 +1,9 @@
 //! Costs of the segments that end at a few neighbouring samples, for all starts, in a handful of instructions each.
 
 use crate::cost::Cost;
+use crate::dynamic::growing_windows::{GrowingWindows, Ranked, Tables};
 use crate::dynamic::lanes::Lanes;
 use crate::dynamic::sparse::Cell;
-use crate::dynamic::window::{Ranked, Tables, Window};
 use crate::series::Series;
 
 /// A series with what every walk over it needs: per variable the ranks of its samples, and tables of small quotients.
@@ -58,7 +58,7 @@ impl<'a> Walkable<'a> {
             walkable: self,
             first_end: 0,
             start: 0,
-            windows: self.variables.iter().map(Window::new).collect(),
+            windows: self.variables.iter().map(GrowingWindows::new).collect(),
         }
     }
 }
@@ -70,7 +70,7 @@ pub(crate) struct Walk<'a> {
     first_end: usize,
     /// The samples `start..first_end` have been walked over.
     start: usize,
-    windows: Vec<Window<'a>>,
+    windows: Vec<GrowingWindows<'a>>,
 }
 
 impl Walk<'_> {

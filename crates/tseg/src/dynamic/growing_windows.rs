@@ -77,7 +77,7 @@ impl Tables {
 ///
 /// The last two sums run over the few distinct values between the pivot and the means, which a bit set of the values
 /// present finds. Sums of `d` are integers and exact below 2⁵³.
-pub(crate) struct Window<'a> {
+pub(crate) struct GrowingWindows<'a> {
     ranked: &'a Ranked<'a>,
     /// `r₀`.
     first_end: usize,
@@ -87,6 +87,8 @@ pub(crate) struct Window<'a> {
     multiplicity: Vec<u32>,
     /// Ranks of the samples `r₀ …`, of which window `j` has the first `j`.
     extra: [u32; LANES],
+    /// From which start on each window is constant; rises with the window.
+    constant_since: [usize; LANES],
     pivot_rank: usize,
     pivot: i64,
     /// `Σd`, `Σ|d|`, `#{d ≤ 0} − #{d > 0}` and `Σ(x − x̄)²`.
@@ -101,7 +103,7 @@ const EXTRA: u32 = 1 << 31;
 /// Square of the distance between a mean and the pivot, in standard deviations, beyond which 5 of 16 digits are lost.
 const CANCELLING: f64 = 1e10;
 
-impl<'a> Window<'a> {
+impl<'a> GrowingWindows<'a> {
     pub(crate) fn new(ranked: &'a Ranked<'a>) -> Self {
         let zero = Lanes::all(0.0);
         Self {
@@ -110,6 +112,7 @@ impl<'a> Window<'a> {
             present: vec![0; ranked.values.len().div_ceil(64)],
             multiplicity: vec![0; ranked.values.len()],
             extra: [0; LANES],
+            constant_since: [0; LANES],
             pivot_rank: 0,
             pivot: 0,
             sum: zero,
@@ -141,6 +144,7 @@ impl<'a> Window<'a> {
             self.absolute[j] = absolute;
             self.balance[j] = balance;
             self.squares[j] = squares;
+            self.constant_since[j] = ranked.variable.constant_since(first_end + j);
             let sample = (first_end + j).min(last);
             let rank = ranked.ranks[sample];
             self.extra[j] = rank;
@@ -172,18 +176,16 @@ impl<'a> Window<'a> {
         starts: Range<usize>,
         costs: &mut [Lanes],
     ) {
-        let variable = self.ranked.variable;
         for (l, row) in starts.zip(costs).rev() {
             let counts = tables.counts(self.first_end - 1 - l);
             self.insert(l, &counts);
             let mut terms = self.terms(cost, l, &counts);
-            let run_end = variable.run_end[l];
-            if run_end >= self.first_end {
-                // These windows are constant.
-                for j in 0..LANES.min(run_end - self.first_end + 1) {
-                    self.squares[j] = 0.0;
-                    terms[j] = 0.0;
+            for j in 0..LANES {
+                if l < self.constant_since[j] {
+                    break;
                 }
+                self.squares[j] = 0.0;
+                terms[j] = 0.0;
             }
             for j in 0..LANES {
                 row[j] += terms[j];
@@ -282,11 +284,10 @@ impl<'a> Window<'a> {
     #[cold]
     fn replace_cancelled(&self, l: usize, delta: &Lanes, deviation: &mut Lanes) {
         let ranked = self.ranked;
-        let constant_until = ranked.variable.run_end[l];
         for j in 0..LANES {
             let end = self.first_end + j;
             let count = (end - l) as f64;
-            if constant_until < end
+            if l < self.constant_since[j]
                 && end <= ranked.ranks.len()
                 && delta[j] * delta[j] * count > CANCELLING * self.squares[j]
             {
@@ -365,7 +366,7 @@ impl<'a> Window<'a> {
 /// `Σ|x − x̄|` in grid steps, from integers.
 fn exact_absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
     let n = (end - start) as i128;
-    let total = i128::from(variable.sums[end] - variable.sums[start]);
+    let total = i128::from(variable.sum(start, end));
     let deviation = |&x: &i64| (i128::from(x) * n - total).abs();
     variable.steps[start..end]
         .iter()
