@@ -11,3 +11,4 @@ mod laws;
 mod reference;
 mod regression;
 mod rivals;
+mod streaming;
