@@ -1,147 +1,158 @@
-use std::ops::Range;
-
 use crate::cost::Cost;
 use crate::error::{Error, check_threshold};
+use crate::merger::Merger;
 use crate::segmentation::Segmentation;
 use crate::series::Series;
-use crate::tournament::Tournament;
+use crate::window::Window;
+
+/// When [`BottomUp`] stops merging; one segment is always the end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Stop {
+    /// Before the cheapest candidate merge would cost more than the threshold. Keogh et al. (2001).
+    #[default]
+    Keogh,
+    /// After the merge that brings the highest cost of a segment over the threshold. Text of thesis section 3.1.3.
+    SegmentMax,
+    /// After the merge that leaves a candidate dearer than the threshold, and after one merge at least: thesis
+    /// Algorithm 3 to the letter. On most signals that is after the first merge.
+    CandidateMax,
+    /// Before the merge that would bring the sum of the costs of all segments over the threshold.
+    Total,
+}
 
 /// Bottom-up segmentation: start from single samples and merge, again and again, the adjacent pair whose *union* is
-/// cheapest, the leftmost of equals, until the cheapest union costs more than the threshold.
+/// cheapest, the leftmost of equals, until the stop rule holds.
 ///
-/// Thesis Algorithm 3; corrected: stops on the cheapest candidate as in Keogh et al. (2001), not on the dearest.
+/// Thesis Algorithm 3; corrected: stops on the cheapest candidate by default, not on the dearest, see [`Stop`].
 ///
 /// With `n` samples and segments of `l` samples it takes `O(n (log n + l))` time, and `O(n)` memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BottomUp {
     cost: Cost,
     threshold: f64,
+    stop: Stop,
 }
 
+/// Samples that are segmented at once: few enough for the processor's cache, many enough to make joints rare.
+const BLOCK: usize = 4096;
+
 impl BottomUp {
-    /// A threshold in units of the cost.
+    /// A threshold in units of the cost, and the default stop rule.
     ///
     /// # Errors
     ///
     /// [`Error::Threshold`] unless the threshold is finite and at least 0.
     pub fn new(cost: Cost, threshold: f64) -> Result<Self, Error> {
-        let threshold = check_threshold(threshold)?;
-        Ok(Self { cost, threshold })
+        Ok(Self {
+            cost,
+            threshold: check_threshold(threshold)?,
+            stop: Stop::default(),
+        })
+    }
+
+    /// The same with another stop rule.
+    #[must_use]
+    pub fn with_stop(self, stop: Stop) -> Self {
+        Self { stop, ..self }
     }
 
     /// Segments the series.
     pub fn segment(&self, series: &Series) -> Segmentation {
-        let mut merger = Merger::new(self.cost, self.threshold);
-        merger.run(series, 0..series.len(), |_| {});
-        let mut boundaries = vec![0];
-        boundaries.extend(merger.ends());
+        let mut boundaries = match self.stop {
+            Stop::Keogh => self.cheapest(series),
+            Stop::SegmentMax => self.segment_max(series),
+            Stop::CandidateMax => self.candidate_max(series),
+            Stop::Total => self.total(series),
+        };
+        boundaries.insert(0, 0);
         Segmentation::from_ordered(boundaries)
     }
-}
 
-/// One merge: the segments `start..middle` and `middle..end` became one, of the given cost.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Merge {
-    pub(crate) cost: f64,
-    pub(crate) start: usize,
-    pub(crate) middle: usize,
-    pub(crate) end: usize,
-}
-
-/// The bottom-up iteration on a part of a series, with buffers that are reused from run to run.
-#[derive(Debug)]
-pub(crate) struct Merger {
-    pub(crate) cost: Cost,
-    pub(crate) threshold: f64,
-    /// Boundaries at the start of the run; the other fields refer to them by index.
-    boundaries: Vec<usize>,
-    /// The surviving boundary before and after each surviving one.
-    previous: Vec<usize>,
-    next: Vec<usize>,
-    /// What it costs to remove each boundary; infinite where that is above the threshold or the boundary is gone.
-    candidates: Tournament,
-}
-
-impl Merger {
-    pub(crate) fn new(cost: Cost, threshold: f64) -> Self {
-        Self {
-            cost,
-            threshold,
-            boundaries: Vec::new(),
-            previous: Vec::new(),
-            next: Vec::new(),
-            candidates: Tournament::default(),
+    /// Segment ends under [`Stop::Keogh`].
+    fn cheapest(&self, series: &Series) -> Vec<usize> {
+        let mut window = Window::new(self.cost, self.threshold);
+        let mut block = BLOCK;
+        while window.end < series.len() {
+            let end = window.end.saturating_add(block).min(series.len());
+            // As many new samples as old ones were redone, so that segments of any length cost about twice their share.
+            block = window.extend(series, end).max(BLOCK);
         }
+        window.ends.into()
     }
 
-    /// Segments the samples of `range`, reporting each merge that is not free.
-    ///
-    /// Merges within a run of constant samples cost nothing and so come before all others; they are done at once.
-    pub(crate) fn run(
-        &mut self,
-        series: &Series,
-        range: Range<usize>,
-        mut merged: impl FnMut(Merge),
-    ) {
-        self.start(series, range);
-        let last = self.boundaries.len() - 1;
-        while let Some((middle, cost)) = self.candidates.leftmost_min() {
-            let (start, end) = (self.previous[middle], self.next[middle]);
-            self.next[start] = end;
-            self.previous[end] = start;
-            self.candidates.set(middle, f64::INFINITY);
-            for boundary in [start, end] {
-                if boundary != 0 && boundary != last {
-                    let cost = self.candidate(series, self.previous[boundary], self.next[boundary]);
-                    self.candidates.set(boundary, cost);
-                }
+    /// One merge more than [`Stop::Keogh`]: a segment over the threshold comes of a candidate over the threshold.
+    fn segment_max(&self, series: &Series) -> Vec<usize> {
+        let mut ends = self.cheapest(series);
+        if let Some(middle) = self.leftmost_cheapest(series, &ends) {
+            ends.remove(middle);
+        }
+        ends
+    }
+
+    /// Which of the segment ends is cheapest to remove.
+    fn leftmost_cheapest(&self, series: &Series, ends: &[usize]) -> Option<usize> {
+        let union = |i: usize| {
+            let start = if i == 0 { 0 } else { ends[i - 1] };
+            self.cost.between(series, start, ends[i + 1])
+        };
+        let candidates = (0..ends.len() - 1).map(|i| (i, union(i)));
+        candidates
+            .reduce(|best, next| if next.1 < best.1 { next } else { best })
+            .map(|(i, _)| i)
+    }
+
+    fn candidate_max(&self, series: &Series) -> Vec<usize> {
+        let mut ends: Vec<usize> = (1..=series.len()).collect();
+        if let Some(middle) = self.leftmost_cheapest(series, &ends) {
+            ends.remove(middle);
+        }
+        let mut merger = Merger::new(self.cost, self.threshold);
+        let starts = ends[..ends.len() - 1].iter().copied();
+        merger.start_from(series, std::iter::once(0).chain(starts), series.len());
+        let mut within = merger.all_within();
+        while within {
+            within = merger.merge(series).unwrap_or(false);
+        }
+        merger.ends().collect()
+    }
+
+    fn total(&self, series: &Series) -> Vec<usize> {
+        let mut merger = Merger::new(self.cost, self.threshold);
+        merger.start(series, 0..series.len());
+        let mut total = Sum::default();
+        while let Some(merge) = merger.due() {
+            for part in [merge.start..merge.middle, merge.middle..merge.end] {
+                total.add(-self.cost.between(series, part.start, part.end));
             }
-            merged(Merge {
-                cost,
-                start: self.boundaries[start],
-                middle: self.boundaries[middle],
-                end: self.boundaries[end],
-            });
+            total.add(merge.cost);
+            if total.value() > self.threshold {
+                break;
+            }
+            merger.merge(series);
         }
+        merger.ends().collect()
+    }
+}
+
+/// A sum with about twice the digits of its terms (Dekker, Knuth), so that adding and taking away leaves no trace.
+#[derive(Debug, Default)]
+struct Sum {
+    high: f64,
+    low: f64,
+}
+
+impl Sum {
+    fn add(&mut self, term: f64) {
+        let high = self.high + term;
+        let shift = high - self.high;
+        let error = (self.high - (high - shift)) + (term - shift);
+        let low = self.low + error;
+        self.high = high + low;
+        self.low = low - (self.high - high);
     }
 
-    /// Segment ends after a run, from left to right.
-    pub(crate) fn ends(&self) -> impl Iterator<Item = usize> + '_ {
-        let last = self.boundaries.len() - 1;
-        let after = move |&boundary: &usize| (boundary < last).then(|| self.next[boundary]);
-        std::iter::successors(after(&0), after).map(|boundary| self.boundaries[boundary])
-    }
-
-    fn start(&mut self, series: &Series, range: Range<usize>) {
-        self.boundaries.clear();
-        let mut boundary = range.start;
-        while boundary < range.end {
-            self.boundaries.push(boundary);
-            boundary = series.constant_until(boundary).min(range.end);
-        }
-        self.boundaries.push(range.end);
-
-        let last = self.boundaries.len() - 1;
-        self.next.clear();
-        self.next.extend(1..=last + 1);
-        self.previous.clear();
-        self.previous.push(0);
-        self.previous.extend(0..last);
-        let mut candidates = std::mem::take(&mut self.candidates);
-        candidates.reset(last);
-        candidates.fill(1, (1..last).map(|i| self.candidate(series, i - 1, i + 1)));
-        self.candidates = candidates;
-    }
-
-    fn candidate(&self, series: &Series, start: usize, end: usize) -> f64 {
-        let cost = self
-            .cost
-            .between(series, self.boundaries[start], self.boundaries[end]);
-        if cost <= self.threshold {
-            cost
-        } else {
-            f64::INFINITY
-        }
+    fn value(&self) -> f64 {
+        self.high
     }
 }
 

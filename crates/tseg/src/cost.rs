@@ -1,8 +1,9 @@
 use std::ops::Range;
 
+use crate::deviation::{absolute_deviation, squared_deviation};
 use crate::error::{Error, check_length};
 use crate::segmentation::Segmentation;
-use crate::series::{STEPS_PER_UNIT, Series, Variable};
+use crate::series::Series;
 
 /// How inhomogeneous a segment is; 0 for one sample and for a constant.
 ///
@@ -58,7 +59,10 @@ impl Cost {
 
     /// Cost of `start..end`, which must not be empty nor exceed the series.
     pub(crate) fn between(self, series: &Series, start: usize, end: usize) -> f64 {
-        let varying = series.variables().iter().filter(|v| v.run_end[start] < end);
+        let varying = series
+            .variables()
+            .iter()
+            .filter(|v| !v.is_constant(start, end));
         let n = (end - start) as f64;
         match self {
             Self::MeanDeviation => varying.fold(0.0, |sum, v| {
@@ -73,44 +77,6 @@ impl Cost {
             }),
         }
     }
-}
-
-/// `Σ|x − x̄|` with the mean rounded to the nearest `f64`, accurate to the last digits.
-///
-/// With `⌊x̄⌋` the mean rounded down to the grid, `Σ|x − x̄| = Σ|x − ⌊x̄⌋| + (x̄ − ⌊x̄⌋) (#{x ≤ x̄} − #{x > x̄})`, where the
-/// first sum is one of integers and the fraction is below 1, so that nothing cancels.
-fn absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
-    let (mean, floor) = mean(variable, start, end);
-    let (mut sum, mut above) = (0_i64, 0_i64);
-    for &x in &variable.steps[start..end] {
-        let deviation = x - floor;
-        sum += deviation.abs();
-        above += i64::from(deviation > 0);
-    }
-    // Outside [0, 1] only where the mean has more than 53 bits.
-    let fraction = (mean - floor as f64).clamp(0.0, 1.0);
-    let excess = (end - start) as i64 - 2 * above;
-    (sum as f64 + fraction * excess as f64) / STEPS_PER_UNIT
-}
-
-/// `Σ(x − x̄)²`, an exact integer but for the division by `n`.
-fn squared_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
-    let (_, floor) = mean(variable, start, end);
-    let (mut squares, mut sum) = (0_i128, 0_i128);
-    for &x in &variable.steps[start..end] {
-        let deviation = i128::from(x - floor);
-        squares += deviation * deviation;
-        sum += deviation;
-    }
-    let n = (end - start) as i128;
-    (n * squares - sum * sum) as f64 / (n as f64 * STEPS_PER_UNIT * STEPS_PER_UNIT)
-}
-
-/// The mean in grid steps, as the nearest `f64` and rounded down to the grid.
-fn mean(variable: &Variable, start: usize, end: usize) -> (f64, i64) {
-    let sum = variable.sums[end] - variable.sums[start];
-    let n = end - start;
-    (sum as f64 / n as f64, sum.div_euclid(n as i64))
 }
 
 #[cfg(test)]

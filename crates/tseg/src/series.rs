@@ -5,7 +5,15 @@ pub(crate) const STEPS_PER_UNIT: f64 = 4_294_967_296.0;
 
 /// `len · max|x|` may not exceed this (in units of the variable). On the grid that is 2⁶¹, so that a sum of
 /// differences stays below 2⁶² and `n` times a sum of their squares below 2¹²⁴.
-const LARGEST_SUM: f64 = 536_870_912.0;
+pub(crate) const LARGEST_SUM: f64 = 536_870_912.0;
+
+fn check_weight(variable: usize, weight: f64) -> Result<(), Error> {
+    if weight.is_finite() && weight >= 0.0 {
+        Ok(())
+    } else {
+        Err(Error::Weight { variable, weight })
+    }
+}
 
 /// A checked multivariate time series: `m` weighted variables of `n` samples each.
 ///
@@ -18,16 +26,18 @@ pub struct Series {
     variables: Vec<Variable>,
 }
 
-/// One variable on the grid.
+/// One variable on the grid; samples may be appended.
 #[derive(Debug, Clone)]
 pub(crate) struct Variable {
     pub(crate) weight: f64,
     /// Samples in grid steps, length `n`.
     pub(crate) steps: Vec<i64>,
-    /// `sums[i]` is the sum of the first `i` samples, length `n + 1`.
-    pub(crate) sums: Vec<i64>,
-    /// `run_end[i]` is one past the last sample of the run of equal samples that holds sample `i`, length `n`.
-    pub(crate) run_end: Vec<usize>,
+    /// `sums[j] − sums[i]`, wrapping, is the sum of the samples `i..j`; length `n + 1`.
+    sums: Vec<i64>,
+    /// `run_len[i]` is how many samples up to and including sample `i` have its value without a break, length `n`.
+    pub(crate) run_len: Vec<u32>,
+    /// The largest magnitude of a sample, in grid steps.
+    pub(crate) largest: i64,
 }
 
 impl Series {
@@ -52,14 +62,43 @@ impl Series {
             .map(|(variable, &(samples, weight))| {
                 check_length(variable, samples.len(), len)?;
                 check_finite(variable, samples)?;
-                if !(weight.is_finite() && weight >= 0.0) {
-                    return Err(Error::Weight { variable, weight });
-                }
+                check_weight(variable, weight)?;
                 Variable::new(variable, samples, weight)
             })
             .collect::<Result<_, _>>()?;
         variables.retain(|variable| variable.weight > 0.0);
         Ok(Self { len, variables })
+    }
+
+    /// A series without samples, to append to, of as many variables as there are positive weights.
+    pub(crate) fn growing(weights: &[f64]) -> Result<Self, Error> {
+        if weights.is_empty() {
+            return Err(Error::NoVariables);
+        }
+        for (variable, &weight) in weights.iter().enumerate() {
+            check_weight(variable, weight)?;
+        }
+        let positive = weights.iter().filter(|&&weight| weight > 0.0);
+        Ok(Self {
+            len: 0,
+            variables: positive.map(|&weight| Variable::empty(weight, 0)).collect(),
+        })
+    }
+
+    /// Appends one value per variable; sums over all samples must stay below [`LARGEST_SUM`].
+    pub(crate) fn push(&mut self, values: impl Iterator<Item = f64>) {
+        self.len += 1;
+        for (variable, value) in self.variables.iter_mut().zip(values) {
+            variable.push(value);
+        }
+    }
+
+    /// Drops the first `count` samples; the others move up.
+    pub(crate) fn forget(&mut self, count: usize) {
+        self.len -= count;
+        for variable in &mut self.variables {
+            variable.forget(count);
+        }
     }
 
     /// Number of samples `n`, at least 1.
@@ -73,12 +112,10 @@ impl Series {
         &self.variables
     }
 
-    /// One past the last sample up to which every variable keeps its value of `sample`.
-    pub(crate) fn constant_until(&self, sample: usize) -> usize {
-        self.variables
-            .iter()
-            .map(|variable| variable.run_end[sample])
-            .fold(self.len, usize::min)
+    /// The first sample from which on every variable keeps its value up to `sample`.
+    pub(crate) fn constant_since(&self, sample: usize) -> usize {
+        let runs = self.variables.iter().map(|v| v.run_len[sample] as usize);
+        (sample + 1).saturating_sub(runs.fold(usize::MAX, usize::min))
     }
 }
 
@@ -93,31 +130,53 @@ impl Variable {
                 limit,
             });
         }
-        let steps: Vec<i64> = samples
-            .iter()
-            .map(|x| (x * STEPS_PER_UNIT).round_ties_even() as i64)
-            .collect();
-        let mut sums = Vec::with_capacity(steps.len() + 1);
-        let mut sum = 0;
-        sums.push(sum);
-        for x in &steps {
-            sum += x;
-            sums.push(sum);
+        let mut variable = Self::empty(weight, samples.len());
+        for &x in samples {
+            variable.push(x);
         }
-        let mut run_end = vec![steps.len(); steps.len()];
-        for i in (1..steps.len()).rev() {
-            run_end[i - 1] = if steps[i - 1] == steps[i] {
-                run_end[i]
-            } else {
-                i
-            };
-        }
-        Ok(Self {
+        Ok(variable)
+    }
+
+    fn empty(weight: f64, capacity: usize) -> Self {
+        let mut sums = Vec::with_capacity(capacity + 1);
+        sums.push(0);
+        Self {
             weight,
-            steps,
+            steps: Vec::with_capacity(capacity),
             sums,
-            run_end,
-        })
+            run_len: Vec::with_capacity(capacity),
+            largest: 0,
+        }
+    }
+
+    fn push(&mut self, sample: f64) {
+        let step = (sample * STEPS_PER_UNIT).round_ties_even() as i64;
+        let run = match self.steps.last() {
+            Some(&last) if last == step => self.run_len[self.steps.len() - 1].saturating_add(1),
+            _ => 1,
+        };
+        self.run_len.push(run);
+        self.steps.push(step);
+        self.sums
+            .push(self.sums[self.sums.len() - 1].wrapping_add(step));
+        self.largest = self.largest.max(step.abs());
+    }
+
+    fn forget(&mut self, count: usize) {
+        self.steps.drain(..count);
+        self.sums.drain(..count);
+        self.run_len.drain(..count);
+        self.largest = self.steps.iter().fold(0, |largest, x| largest.max(x.abs()));
+    }
+
+    /// Sum of the samples `start..end` in grid steps.
+    pub(crate) fn sum(&self, start: usize, end: usize) -> i64 {
+        self.sums[end].wrapping_sub(self.sums[start])
+    }
+
+    /// Whether the samples `start..end`, at least one, are equal. Misses runs of more than `u32::MAX` samples.
+    pub(crate) fn is_constant(&self, start: usize, end: usize) -> bool {
+        self.run_len[end - 1] as usize >= end - start
     }
 }
 
@@ -177,7 +236,7 @@ mod tests {
     fn joint_runs_end_where_any_variable_changes() {
         let series =
             Series::new(&[(&[1.0, 1.0, 1.0, 2.0], 1.0), (&[0.0, 0.0, 5.0, 5.0], 1.0)]).unwrap();
-        let ends: Vec<_> = (0..4).map(|i| series.constant_until(i)).collect();
-        assert_eq!(ends, [2, 2, 3, 4]);
+        let starts: Vec<_> = (0..4).map(|i| series.constant_since(i)).collect();
+        assert_eq!(starts, [0, 0, 2, 3]);
     }
 }

@@ -1,10 +1,10 @@
-use std::collections::VecDeque;
-
-use crate::bottom_up::{Merge, Merger};
 use crate::cost::Cost;
-use crate::error::{Error, check_threshold};
+use crate::error::Error;
 use crate::segmentation::Segmentation;
 use crate::series::Series;
+use crate::sliding_window::SlidingWindow;
+use crate::stream::SwabStream;
+use crate::window::Window;
 
 /// How [`Swab`] refills its window after a segment has left it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -27,8 +27,7 @@ pub enum Refill {
 /// sample is left to read, emit all of the window. Thesis Algorithm 4, after Keogh et al. (2001).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swab {
-    cost: Cost,
-    threshold: f64,
+    sliding: SlidingWindow,
     window: usize,
     refill: Refill,
 }
@@ -40,13 +39,12 @@ impl Swab {
     ///
     /// [`Error::Threshold`] unless the threshold is finite and at least 0, [`Error::Window`] for a window of 0.
     pub fn new(cost: Cost, threshold: f64, window: usize) -> Result<Self, Error> {
-        let threshold = check_threshold(threshold)?;
+        let sliding = SlidingWindow::new(cost, threshold)?;
         if window == 0 {
             return Err(Error::Window);
         }
         Ok(Self {
-            cost,
-            threshold,
+            sliding,
             window,
             refill: Refill::default(),
         })
@@ -60,182 +58,89 @@ impl Swab {
 
     /// Segments the series.
     pub fn segment(&self, series: &Series) -> Segmentation {
-        let mut window = Window::new(self.cost, self.threshold);
-        window.extend(series, self.window.min(series.len()));
+        let mut progress = Progress::new(*self);
         let mut boundaries = vec![0];
-        while window.end < series.len() {
-            boundaries.extend(window.pop_front());
-            let end = self.refilled(series, window.start, window.end);
-            window.extend(series, end);
-        }
-        boundaries.extend(window.ends);
+        boundaries.extend((0..series.len()).filter_map(|sample| progress.advance(series, sample)));
+        boundaries.extend(progress.finish(series));
         Segmentation::from_ordered(boundaries)
     }
 
-    /// Where the window that now is `start..end` ends after refilling.
-    fn refilled(&self, series: &Series, start: usize, mut end: usize) -> usize {
-        let n = series.len();
-        match self.refill {
-            Refill::Keogh => {
-                let most = start.saturating_add(self.window.saturating_mul(2)).min(n);
-                while end < most {
-                    let first = end;
-                    end += 1;
-                    while end < most && self.cost.between(series, first, end + 1) <= self.threshold
-                    {
-                        end += 1;
-                    }
-                    if end - start >= self.window.div_ceil(2) {
-                        break;
-                    }
-                }
-                end
-            }
-            Refill::Literal => {
-                let first = end;
-                end += 1;
-                while end < n && self.cost.between(series, first, end) < self.threshold {
-                    end += 1;
-                }
-                end
-            }
-            Refill::Fixed => start.saturating_add(self.window).min(n),
-        }
-    }
-}
-
-/// A part `start..end` of the series with its bottom-up segmentation, kept up to date as samples leave on the left and
-/// come in on the right.
-///
-/// Bottom-up is a greedy choice among independent candidates, so its result cuts the samples into parts that never
-/// interacted: a part that ends on boundaries of the result has, on its own, the same merges in the same order.
-/// Conversely, parts segmented on their own are together the result for the whole if no boundary between neighbouring
-/// parts is ever the cheapest candidate while the merges on either side of it happen. Hence emitting a segment changes
-/// nothing, and new samples are segmented with only as many old segments as [`Window::boundary_holds`] asks for.
-#[derive(Debug)]
-struct Window {
-    start: usize,
-    end: usize,
-    /// Ends of the segments, the last of them `end`.
-    ends: VecDeque<usize>,
-    /// The merges that made the segments: segment by segment, within each in the order in which they happened.
-    merges: VecDeque<Merge>,
-    merger: Merger,
-    /// Ends and merges of the samples segmented last, before they become part of the window.
-    fresh_ends: Vec<usize>,
-    fresh_merges: Vec<Merge>,
-}
-
-impl Window {
-    fn new(cost: Cost, threshold: f64) -> Self {
-        Self {
-            start: 0,
-            end: 0,
-            ends: VecDeque::new(),
-            merges: VecDeque::new(),
-            merger: Merger::new(cost, threshold),
-            fresh_ends: Vec::new(),
-            fresh_merges: Vec::new(),
-        }
-    }
-
-    /// Removes the leftmost segment and returns its end.
-    fn pop_front(&mut self) -> Option<usize> {
-        let end = self.ends.pop_front()?;
-        self.start = end;
-        while self.merges.front().is_some_and(|merge| merge.end <= end) {
-            self.merges.pop_front();
-        }
-        Some(end)
-    }
-
-    /// Takes in the samples up to `end`.
-    fn extend(&mut self, series: &Series, end: usize) {
-        if end <= self.end {
-            return;
-        }
-        // The last segment ended where the window did, seldom where it should.
-        let mut kept = self.ends.len().saturating_sub(1);
-        self.segment_fresh(series, self.start_of(kept), end);
-        while kept > 0 && !self.boundary_holds(series, kept - 1) {
-            // Segment anew one old segment more at least, and twice the length, so that all attempts together take
-            // about twice the time of the last.
-            let from = self.start_of(kept);
-            let target = from.saturating_sub(end - from);
-            kept = self.ends.partition_point(|&e| e <= target).min(kept - 1);
-            self.segment_fresh(series, self.start_of(kept), end);
-        }
-        let from = self.start_of(kept);
-        self.ends.truncate(kept);
-        self.ends.extend(&self.fresh_ends);
-        self.merges
-            .truncate(self.merges.partition_point(|merge| merge.end <= from));
-        self.merges.extend(&self.fresh_merges);
-        self.end = end;
-    }
-
-    /// Where segment number `segment` of the window starts.
-    fn start_of(&self, segment: usize) -> usize {
-        if segment == 0 {
-            self.start
-        } else {
-            self.ends[segment - 1]
-        }
-    }
-
-    fn segment_fresh(&mut self, series: &Series, start: usize, end: usize) {
-        let (merges, ends) = (&mut self.fresh_merges, &mut self.fresh_ends);
-        merges.clear();
-        self.merger
-            .run(series, start..end, |merge| merges.push(merge));
-        ends.clear();
-        ends.extend(self.merger.ends());
-        merges.sort_by_key(|merge| ends.partition_point(|&e| e < merge.end));
-    }
-
-    /// Whether bottom-up on segment number `left` of the window and the first fresh one keeps the boundary between them.
+    /// The same one sample at a time, for variables of the given weights.
     ///
-    /// Replays the merges of both in the order in which they would happen together, the removal of the boundary being
-    /// one candidate more.
-    fn boundary_holds(&self, series: &Series, left: usize) -> bool {
-        let (left_start, boundary) = (self.start_of(left), self.ends[left]);
-        let right_end = self.fresh_ends.first().copied().unwrap_or(boundary);
-        let first = self.merges.partition_point(|merge| merge.end <= left_start);
-        let past = self.merges.partition_point(|merge| merge.end <= boundary);
-        let mut on_left = self.merges.range(first..past).peekable();
-        let mut on_right = self
-            .fresh_merges
-            .iter()
-            .take_while(|merge| merge.end <= right_end)
-            .peekable();
+    /// # Errors
+    ///
+    /// [`Error::NoVariables`] and [`Error::Weight`].
+    pub fn stream(&self, weights: &[f64]) -> Result<SwabStream, Error> {
+        SwabStream::new(*self, weights)
+    }
+}
 
-        let mut start = boundary - 1;
-        while start > left_start && series.constant_until(start - 1) >= boundary {
-            start -= 1;
+/// SWAB between two samples: a segmented window, and behind it the samples of its next refill.
+#[derive(Debug, Clone)]
+pub(crate) struct Progress {
+    swab: Swab,
+    pub(crate) window: Window,
+    /// Where the sliding-window segment that is growing starts; none grows in the first window.
+    growing: Option<usize>,
+}
+
+impl Progress {
+    pub(crate) fn new(swab: Swab) -> Self {
+        Self {
+            swab,
+            window: Window::new(swab.sliding.cost, swab.sliding.threshold),
+            growing: None,
         }
-        let mut end = series.constant_until(boundary).min(right_end);
-        let mut removal = self.merger.cost.between(series, start, end);
-        loop {
-            let left_cost = on_left.peek().map_or(f64::INFINITY, |merge| merge.cost);
-            let right_cost = on_right.peek().map_or(f64::INFINITY, |merge| merge.cost);
-            if removal <= self.merger.threshold && removal < left_cost && removal <= right_cost {
-                return false;
-            }
-            let next = if left_cost <= right_cost {
-                on_left.next()
-            } else {
-                on_right.next()
-            };
-            let Some(merge) = next else { return true };
-            if merge.middle == start {
-                start = merge.start;
-            } else if merge.middle == end {
-                end = merge.end;
-            } else {
-                continue;
-            }
-            removal = self.merger.cost.between(series, start, end);
+    }
+
+    /// Takes in the sample of that number, the one after the last; returns the end of a segment that is now certain.
+    ///
+    /// The leftmost segment of the window is certain as soon as the window is full: it is emitted whether or not
+    /// another sample follows.
+    pub(crate) fn advance(&mut self, series: &Series, sample: usize) -> Option<usize> {
+        let end = self.refilled(series, sample)?;
+        self.window.extend(series, end);
+        self.growing = Some(end);
+        self.window.pop_front()
+    }
+
+    /// The ends of the remaining segments, if no sample follows.
+    pub(crate) fn finish(mut self, series: &Series) -> impl Iterator<Item = usize> {
+        if self.window.end < series.len() {
+            self.window.extend(series, series.len());
         }
+        self.window.ends.into_iter()
+    }
+
+    /// Counts samples from `count` on.
+    pub(crate) fn forget(&mut self, count: usize) {
+        self.window.forget(count);
+        self.growing = self.growing.map(|start| start - count);
+    }
+
+    /// Where the window ends, if the given sample completes it.
+    fn refilled(&mut self, series: &Series, sample: usize) -> Option<usize> {
+        let Swab {
+            sliding,
+            window,
+            refill,
+        } = self.swab;
+        let seen = sample + 1;
+        let held = seen - self.window.start;
+        let (Some(start), Refill::Keogh | Refill::Literal) = (self.growing, refill) else {
+            return (held == window).then_some(seen);
+        };
+        if refill == Refill::Literal {
+            return (sliding.cost.between(series, start, seen) >= sliding.threshold)
+                .then_some(seen);
+        }
+        if start < sample && sliding.ends_before(series, start, sample) {
+            self.growing = Some(sample);
+            if sample - self.window.start >= window.div_ceil(2) {
+                return Some(sample);
+            }
+        }
+        (held == window.saturating_mul(2)).then_some(seen)
     }
 }
 
@@ -258,14 +163,6 @@ mod tests {
                 boundaries
             );
         }
-    }
-
-    #[test]
-    fn literal_refill_takes_the_crossing_sample() {
-        let swab = Swab::new(Cost::MeanDeviation, 0.4, 1).unwrap();
-        let series = Series::new(&[(&[0.0, 1.0, 1.0, 5.0, 5.0], 1.0)]).unwrap();
-        assert_eq!(swab.refilled(&series, 1, 1), 3);
-        assert_eq!(swab.with_refill(Refill::Literal).refilled(&series, 1, 1), 4);
     }
 
     #[test]

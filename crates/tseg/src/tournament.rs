@@ -1,47 +1,95 @@
-/// Keys `0..n` under a binary tree of minima: a change and the leftmost minimum cost `O(log n)` each.
-#[derive(Debug, Default)]
+use std::ops::Range;
+
+/// Children of a node: a cache line of keys.
+const ARITY: usize = 8;
+
+type Node = [f64; ARITY];
+
+/// Keys `0..n` under a tree of minima: a change and the leftmost minimum cost `O(log n)` each.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Tournament {
-    /// Node `k` has the children `2k` and `2k + 1`; the root is node 1, the leaves are the second half.
-    nodes: Vec<f64>,
+    /// Level 0 holds the keys, each further one the minima of the nodes below it; the last has one node.
+    levels: Vec<Vec<Node>>,
+    /// How many levels are in use.
+    height: usize,
 }
 
 impl Tournament {
     /// Starts over with `n` keys, all infinite.
     pub(crate) fn reset(&mut self, n: usize) {
-        self.nodes.clear();
-        self.nodes.resize(2 * n.next_power_of_two(), f64::INFINITY);
+        let mut nodes = n;
+        self.height = 0;
+        while nodes > 1 || self.height == 0 {
+            nodes = nodes.div_ceil(ARITY).max(1);
+            if self.levels.len() == self.height {
+                self.levels.push(Vec::new());
+            }
+            let level = &mut self.levels[self.height];
+            level.clear();
+            level.resize(nodes, [f64::INFINITY; ARITY]);
+            self.height += 1;
+        }
     }
 
     /// Sets keys `first, first + 1, …` and rebuilds the minima.
     pub(crate) fn fill(&mut self, first: usize, keys: impl Iterator<Item = f64>) {
-        let leaves = self.nodes.len() / 2;
-        for (leaf, key) in self.nodes[leaves + first..].iter_mut().zip(keys) {
+        let leaves = self.levels[0].as_flattened_mut();
+        for (leaf, key) in leaves[first..].iter_mut().zip(keys) {
             *leaf = key;
         }
-        for node in (1..leaves).rev() {
-            self.nodes[node] = self.nodes[2 * node].min(self.nodes[2 * node + 1]);
+        for height in 1..self.height {
+            let (below, level) = self.levels.split_at_mut(height);
+            let minima = below[height - 1].iter().map(minimum);
+            for (key, minimum) in level[0].as_flattened_mut().iter_mut().zip(minima) {
+                *key = minimum;
+            }
         }
     }
 
-    pub(crate) fn set(&mut self, key: usize, value: f64) {
-        let mut node = self.nodes.len() / 2 + key;
-        self.nodes[node] = value;
-        while node > 1 {
-            node /= 2;
-            self.nodes[node] = self.nodes[2 * node].min(self.nodes[2 * node + 1]);
+    pub(crate) fn set(&mut self, key: usize, mut value: f64) {
+        let mut place = key;
+        for level in &mut self.levels[..self.height] {
+            let node = &mut level[place / ARITY];
+            if node[place % ARITY].to_bits() == value.to_bits() {
+                return;
+            }
+            node[place % ARITY] = value;
+            value = minimum(node);
+            place /= ARITY;
         }
     }
 
     /// The leftmost smallest key and its value, unless every key is infinite.
     pub(crate) fn leftmost_min(&self) -> Option<(usize, f64)> {
-        let leaves = self.nodes.len() / 2;
-        let mut node = 1;
-        while node < leaves {
-            node = 2 * node + usize::from(self.nodes[2 * node] > self.nodes[2 * node + 1]);
-        }
-        let value = self.nodes[node];
-        value.is_finite().then_some((node - leaves, value))
+        let mut levels = self.levels[..self.height].iter().rev();
+        let root = &levels.next()?[0];
+        let value = minimum(root);
+        let place = levels.fold(leftmost(root, value), |place, level| {
+            place * ARITY + leftmost(&level[place], value)
+        });
+        value.is_finite().then_some((place, value))
     }
+
+    pub(crate) fn all_finite(&self, mut keys: Range<usize>) -> bool {
+        let leaves = self.levels[0].as_flattened();
+        keys.all(|key| leaves[key].is_finite())
+    }
+}
+
+/// Keys are never NaN, so a plain comparison does, which is one instruction.
+fn minimum(node: &Node) -> f64 {
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let [a, b, c, d, e, f, g, h] = *node;
+    let quads = [less(a, e), less(b, f), less(c, g), less(d, h)];
+    less(less(quads[0], quads[2]), less(quads[1], quads[3]))
+}
+
+fn leftmost(node: &Node, value: f64) -> usize {
+    let equal = node
+        .iter()
+        .enumerate()
+        .fold(0_u32, |bits, (i, &key)| bits | u32::from(key <= value) << i);
+    equal.trailing_zeros() as usize
 }
 
 #[cfg(test)]
@@ -50,14 +98,18 @@ mod tests {
 
     #[test]
     fn ties_go_to_the_left() {
-        let mut keys = Tournament::default();
-        keys.reset(5);
-        assert_eq!(keys.leftmost_min(), None);
-        keys.fill(1, [3.0, 2.0, 2.0, 7.0].into_iter());
-        assert_eq!(keys.leftmost_min(), Some((2, 2.0)));
-        keys.set(2, f64::INFINITY);
-        assert_eq!(keys.leftmost_min(), Some((3, 2.0)));
-        keys.set(1, 2.0);
-        assert_eq!(keys.leftmost_min(), Some((1, 2.0)));
+        for n in [5, 8, 9, 64, 65, 700] {
+            let mut keys = Tournament::default();
+            keys.reset(n);
+            assert_eq!(keys.leftmost_min(), None);
+            keys.fill(1, [3.0, 2.0, 2.0, 7.0].into_iter());
+            assert_eq!(keys.leftmost_min(), Some((2, 2.0)));
+            keys.set(2, f64::INFINITY);
+            assert_eq!(keys.leftmost_min(), Some((3, 2.0)));
+            keys.set(1, 2.0);
+            assert_eq!(keys.leftmost_min(), Some((1, 2.0)));
+            keys.set(n - 1, 0.5);
+            assert_eq!(keys.leftmost_min(), Some((n - 1, 0.5)));
+        }
     }
 }

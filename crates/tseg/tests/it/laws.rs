@@ -2,14 +2,20 @@
 
 use proptest::prelude::*;
 use tseg::{
-    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, Swab, merge_percentile,
-    runs,
+    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, SlidingWindow, Stop, Swab,
+    merge_percentile, runs,
 };
 
 use crate::rivals;
 
-const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
-const REFILLS: [Refill; 3] = [Refill::Keogh, Refill::Literal, Refill::Fixed];
+pub(crate) const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
+const STOPS: [Stop; 4] = [
+    Stop::Keogh,
+    Stop::SegmentMax,
+    Stop::CandidateMax,
+    Stop::Total,
+];
+pub(crate) const REFILLS: [Refill; 3] = [Refill::Keogh, Refill::Literal, Refill::Fixed];
 
 /// A variable in pieces: few levels and constant stretches, so that ties and zero costs are common, or a random walk.
 fn variable(len: usize) -> impl Strategy<Value = Vec<f64>> {
@@ -30,11 +36,18 @@ fn variable(len: usize) -> impl Strategy<Value = Vec<f64>> {
     })
 }
 
-fn variables(len: std::ops::Range<usize>) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+pub(crate) fn variables(
+    len: std::ops::Range<usize>,
+) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     len.prop_flat_map(|len| (variable(len), variable(len)))
 }
 
-fn series((x, y): &(Vec<f64>, Vec<f64>)) -> Series {
+/// Around the costs of pairs, of segments, and of everything.
+pub(crate) fn thresholds() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), 0.0..0.5_f64, 0.0..3.0_f64, 0.0..300.0_f64]
+}
+
+pub(crate) fn series((x, y): &(Vec<f64>, Vec<f64>)) -> Series {
     Series::new(&[(x, 1.8), (y, 1.0)]).unwrap()
 }
 
@@ -63,6 +76,18 @@ proptest! {
     }
 
     #[test]
+    fn every_stop_rule_is_the_plain_one(data in variables(1..60), threshold in thresholds()) {
+        let series = series(&data);
+        for cost in COSTS {
+            for stop in STOPS {
+                let fast = BottomUp::new(cost, threshold).unwrap().with_stop(stop).segment(&series);
+                let plain = rivals::bottom_up_until(stop, cost, threshold, &series);
+                prop_assert_eq!(fast.boundaries(), plain, "{:?} {:?}", cost, stop);
+            }
+        }
+    }
+
+    #[test]
     fn swab_is_the_plain_one(data in variables(1..120), threshold in 0.0..1.5_f64, window in 1..40_usize) {
         let series = series(&data);
         for cost in COSTS {
@@ -71,6 +96,15 @@ proptest! {
                 let plain = rivals::swab(cost, threshold, window, refill, &series);
                 prop_assert_eq!(fast.boundaries(), plain);
             }
+        }
+    }
+
+    #[test]
+    fn sliding_window_is_the_plain_one(data in variables(1..120), threshold in thresholds()) {
+        let series = series(&data);
+        for cost in COSTS {
+            let fast = SlidingWindow::new(cost, threshold).unwrap().segment(&series);
+            prop_assert_eq!(fast.boundaries(), rivals::sliding_window(cost, threshold, &series));
         }
     }
 
@@ -94,6 +128,7 @@ proptest! {
         for segmentation in [
             BottomUp::new(Cost::MeanDeviation, threshold).unwrap().segment(&series),
             Swab::new(Cost::MeanDeviation, threshold, window).unwrap().segment(&series),
+            SlidingWindow::new(Cost::MeanDeviation, threshold).unwrap().segment(&series),
             labelled,
         ] {
             prop_assert_eq!(segmentation.sample_count(), series.len());
@@ -174,11 +209,43 @@ fn a_constant_is_one_segment() {
     }
 }
 
+/// Longer than a block, so that blocks are joined: flat stretches, noise below the threshold, steps.
+#[test]
+fn blocks_join_to_the_plain_result() {
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 40) as f64 / 16_777_216.0
+    };
+    for (noise, level, period) in [
+        (0.0, 1.0, 700),
+        (0.3, 0.0, 1),
+        (0.3, 0.5, 600),
+        (1.0, 1.0, 9),
+    ] {
+        let sample = |i: usize| level * (i / period) as f64 + noise * random();
+        let samples: Vec<f64> = (0..2500).map(sample).collect();
+        let series = Series::new(&[(&samples, 1.0)]).unwrap();
+        for threshold in [0.05, 0.12, 0.3] {
+            let method = BottomUp::new(Cost::MeanDeviation, threshold).unwrap();
+            let plain =
+                rivals::bottom_up_until(Stop::Keogh, Cost::MeanDeviation, threshold, &series);
+            assert_eq!(method.segment(&series).boundaries(), plain);
+        }
+    }
+}
+
 #[test]
 fn huge_parameters_do_no_harm() {
     let samples: Vec<f64> = (0..50).map(|i| f64::from(i % 7)).collect();
     let series = Series::new(&[(&samples, f64::MAX)]).unwrap();
     for cost in COSTS {
+        for stop in STOPS {
+            let method = BottomUp::new(cost, f64::MAX).unwrap().with_stop(stop);
+            assert_eq!(method.segment(&series).sample_count(), 50);
+        }
         for refill in REFILLS {
             let swab = Swab::new(cost, f64::MAX, usize::MAX)
                 .unwrap()

@@ -12,3 +12,4 @@ mod reference;
 mod reference_merging;
 mod regression;
 mod rivals;
+mod streaming;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use tseg::{
-    BottomUp, Cost, Metrics, Refill, Segmentation, Series, Swab, merge_percentile,
+    BottomUp, Cost, Metrics, Refill, Segmentation, Series, Stop, Swab, merge_percentile,
     percentile_similarity, runs,
 };
 
@@ -156,7 +156,14 @@ fn heuristic() {
 fn bottom_up() {
     for vector in vectors() {
         let method = BottomUp::new(Cost::MeanDeviation, vector.param("e_thresh")).unwrap();
-        vector.check("bu_keogh", &method.segment(&vector.series()));
+        for (key, stop) in [
+            ("bu_keogh", Stop::Keogh),
+            ("bu_segmax", Stop::SegmentMax),
+            ("bu_candmax", Stop::CandidateMax),
+            ("bu_total", Stop::Total),
+        ] {
+            vector.check(key, &method.with_stop(stop).segment(&vector.series()));
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use tseg::{Cost, Refill, Series};
+use tseg::{Cost, Refill, Series, Stop};
 
 /// All costs from their formulas in floating point, without a grid.
 pub(crate) fn cost(cost: Cost, variables: &[(&[f64], f64)], segment: Range<usize>) -> f64 {
@@ -49,6 +49,59 @@ pub(crate) fn bottom_up(
         }
         boundaries.remove(best.1);
     }
+}
+
+/// All stop rules of bottom-up to the letter.
+pub(crate) fn bottom_up_until(
+    stop: Stop,
+    cost: Cost,
+    threshold: f64,
+    series: &Series,
+) -> Vec<usize> {
+    let between = |start: usize, end: usize| cost.of_segment(series, start..end).unwrap();
+    let mut boundaries: Vec<usize> = (0..=series.len()).collect();
+    let mut candidates: Vec<f64> = boundaries.windows(3).map(|b| between(b[0], b[2])).collect();
+    while !candidates.is_empty() {
+        let mut best = 0;
+        for (i, candidate) in candidates.iter().enumerate() {
+            if *candidate < candidates[best] {
+                best = i;
+            }
+        }
+        let before = boundaries.clone();
+        boundaries.remove(best + 1);
+        let segments = || boundaries.windows(2).map(|b| between(b[0], b[1]));
+        let refused = match stop {
+            Stop::Keogh => candidates[best] > threshold,
+            Stop::Total => segments().sum::<f64>() > threshold,
+            Stop::SegmentMax | Stop::CandidateMax => false,
+        };
+        if refused {
+            return before;
+        }
+        candidates = boundaries.windows(3).map(|b| between(b[0], b[2])).collect();
+        let finished = match stop {
+            Stop::SegmentMax => segments().any(|cost| cost > threshold),
+            Stop::CandidateMax => candidates.iter().any(|cost| *cost > threshold),
+            Stop::Keogh | Stop::Total => false,
+        };
+        if finished {
+            break;
+        }
+    }
+    boundaries
+}
+
+/// The sliding window of the thesis's text.
+pub(crate) fn sliding_window(cost: Cost, threshold: f64, series: &Series) -> Vec<usize> {
+    let mut boundaries = vec![0];
+    while boundaries[boundaries.len() - 1] < series.len() {
+        let start = boundaries[boundaries.len() - 1];
+        let crossing = |end: &usize| cost.of_segment(series, start..*end + 1).unwrap() > threshold;
+        let end = (start + 1..series.len()).find(crossing);
+        boundaries.push(end.unwrap_or(series.len()));
+    }
+    boundaries
 }
 
 /// SWAB that runs bottom-up anew on every window.
