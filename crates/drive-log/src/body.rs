@@ -80,14 +80,24 @@ fn checked_row<'r>(
     row: &'r str,
 ) -> Result<Vec<&'r str>, Error> {
     let expected = table.head.headers.len();
-    let row = fields(row, table.delimiter);
+    checked_fields(path, table.delimiter, expected, line, row)
+}
+
+pub(crate) fn checked_fields<'r>(
+    path: &Path,
+    delimiter: u8,
+    expected: usize,
+    line: usize,
+    row: &'r str,
+) -> Result<Vec<&'r str>, Error> {
+    let row = fields(row, delimiter);
     if row.len() < expected || row[expected..].iter().any(|field| !field.is_empty()) {
         return Err(Error::Ragged {
             path: path.to_owned(),
             line,
             found: row.len(),
             expected,
-            delimiter: char::from(table.delimiter),
+            delimiter: char::from(delimiter),
         });
     }
     Ok(row)
@@ -159,7 +169,7 @@ fn slow(path: &Path, table: &Table<'_>, columns: &[usize]) -> Result<Vec<Vec<f64
 
 /// A number or a missing value. The first decimal mark of a file decides for the rest: in `1.5` and
 /// `1,234` only one is a mark.
-fn cell(text: &str, delimiter: u8, decimal_comma: &mut Option<bool>) -> Option<f64> {
+pub(crate) fn cell(text: &str, delimiter: u8, decimal_comma: &mut Option<bool>) -> Option<f64> {
     if MISSING.iter().any(|word| word.eq_ignore_ascii_case(text)) {
         return Some(f64::NAN);
     }

@@ -138,6 +138,19 @@ impl DriveLog {
             .map(|(channel, values)| (*channel, values.as_slice()))
     }
 
+    /// The drive up to its sample number `samples`, or all of it where it is shorter; at least one sample.
+    #[must_use]
+    pub fn first(&self, samples: usize) -> DriveLog {
+        let len = samples.clamp(1, self.len);
+        let cut = |(&channel, values): (&Channel, &Vec<f64>)| (channel, values[..len].to_vec());
+        DriveLog {
+            name: self.name.clone(),
+            len,
+            channels: self.channels.iter().map(cut).collect(),
+            ..*self
+        }
+    }
+
     /// Distance driven since the first sample, m: the trapezoidal rule over the speed.
     #[must_use]
     pub fn distance_m(&self) -> Vec<f64> {

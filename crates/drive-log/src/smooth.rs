@@ -1,5 +1,6 @@
 //! Smoothing of the speed.
 
+use std::collections::VecDeque;
 use std::fmt;
 use std::str::FromStr;
 
@@ -64,10 +65,20 @@ pub fn hann(signal: &[f64], length: usize) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (signal.first(), signal.last()) else {
         return Vec::new();
     };
-    if length < 2 {
-        return signal.to_vec();
-    }
-    let length = length.min(MAX_LENGTH);
+    let weights = weights(length);
+    let before = before(&weights);
+    let mut padded = vec![first; before];
+    padded.extend_from_slice(signal);
+    padded.extend(std::iter::repeat_n(last, weights.len() - 1 - before));
+    padded
+        .windows(weights.len())
+        .map(|window| weighted(window.iter(), &weights))
+        .collect()
+}
+
+/// Normalised weights, at least one.
+fn weights(length: usize) -> Vec<f64> {
+    let length = length.clamp(1, MAX_LENGTH);
     let mut weights: Vec<f64> = (1..=length)
         .map(|j| 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / (length as f64 + 1.0)).cos()))
         .collect();
@@ -75,14 +86,62 @@ pub fn hann(signal: &[f64], length: usize) -> Vec<f64> {
     for weight in &mut weights {
         *weight /= sum;
     }
-    let before = (length - 1) / 2;
-    let mut padded = vec![first; before];
-    padded.extend_from_slice(signal);
-    padded.extend(std::iter::repeat_n(last, length - 1 - before));
-    padded
-        .windows(length)
-        .map(|window| window.iter().zip(&weights).map(|(x, w)| x * w).sum())
-        .collect()
+    weights
+}
+
+/// Weights before the centre.
+fn before(weights: &[f64]) -> usize {
+    (weights.len() - 1) / 2
+}
+
+fn weighted<'a>(window: impl Iterator<Item = &'a f64>, weights: &[f64]) -> f64 {
+    window.zip(weights).map(|(x, w)| x * w).sum()
+}
+
+/// Smooths sample by sample, each as [`hann`] would, so many samples later as the window reaches ahead.
+#[derive(Debug, Clone)]
+pub struct SmoothingStream {
+    weights: Vec<f64>,
+    window: VecDeque<f64>,
+}
+
+impl SmoothingStream {
+    /// Before the first sample.
+    #[must_use]
+    pub fn new(smoothing: Smoothing) -> SmoothingStream {
+        SmoothingStream {
+            weights: weights(match smoothing {
+                Smoothing::None => 1,
+                Smoothing::Hann(length) => length,
+            }),
+            window: VecDeque::new(),
+        }
+    }
+
+    /// Takes the next sample; the smoothed value of an earlier one, or of this one, once it is known. Values come in order.
+    pub fn push(&mut self, value: f64) -> Option<f64> {
+        if self.window.is_empty() {
+            let first = std::iter::repeat_n(value, before(&self.weights));
+            self.window.extend(first);
+        }
+        self.window.push_back(value);
+        if self.window.len() < self.weights.len() {
+            return None;
+        }
+        let smoothed = weighted(self.window.iter(), &self.weights);
+        self.window.pop_front();
+        Some(smoothed)
+    }
+
+    /// The values still due.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<f64> {
+        let Some(&last) = self.window.back() else {
+            return Vec::new();
+        };
+        let ahead = self.weights.len() - 1 - before(&self.weights);
+        (0..ahead).filter_map(|_| self.push(last)).collect()
+    }
 }
 
 #[cfg(test)]
@@ -104,6 +163,31 @@ mod tests {
         let smooth = hann(&[12.0, 0.0, 0.0, 0.0], 5);
         assert!((smooth[0] - 8.0).abs() < 1e-14);
         assert!(hann(&[], 5).is_empty());
+    }
+
+    #[test]
+    fn a_stream_gives_the_same_values() {
+        let signal: Vec<f64> = (0..30).map(|i| f64::from(i * i % 11) * 0.1).collect();
+        for smoothing in [
+            Smoothing::None,
+            Smoothing::Hann(1),
+            Smoothing::Hann(5),
+            Smoothing::Hann(9),
+        ] {
+            for len in 0..signal.len() {
+                let whole = match smoothing {
+                    Smoothing::None => signal[..len].to_vec(),
+                    Smoothing::Hann(length) => hann(&signal[..len], length),
+                };
+                let mut stream = SmoothingStream::new(smoothing);
+                let mut values: Vec<f64> = signal[..len]
+                    .iter()
+                    .filter_map(|&x| stream.push(x))
+                    .collect();
+                values.extend(stream.finish());
+                assert_eq!(values, whole, "{smoothing} {len}");
+            }
+        }
     }
 
     #[test]

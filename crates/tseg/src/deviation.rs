@@ -54,17 +54,15 @@ fn scan(variable: &Variable, range: Range<usize>, floor: i64) -> Option<(f64, f6
 }
 
 fn scan_chunk(steps: &[i64], floor: i64) -> f64 {
-    let mut totals = [0.0; 4];
-    let (quads, rest) = steps.as_chunks::<4>();
-    for quad in quads {
-        for (total, &x) in totals.iter_mut().zip(quad) {
-            *total += distance(x, floor);
-        }
-    }
-    let rest = rest
-        .iter()
-        .fold(0.0, |total, &x| total + distance(x, floor));
-    (totals[0] + totals[2]) + (totals[1] + totals[3]) + rest
+    let (pairs, rest) = steps.as_chunks::<2>();
+    let totals = pairs.iter().fold([0.0; 2], |totals, pair| {
+        [
+            totals[0] + distance(pair[0], floor),
+            totals[1] + distance(pair[1], floor),
+        ]
+    });
+    let rest = rest.first().map_or(0.0, |&x| distance(x, floor));
+    totals[0] + totals[1] + rest
 }
 
 /// Samples of a smaller magnitude differ by less than 2⁵¹, as [`distance`] needs.

@@ -20,6 +20,14 @@ pub enum Error {
         /// The number of samples of the others.
         expected: usize,
     },
+    /// A sample of a stream has not one value per variable.
+    #[error("the sample has {found} values where the stream has {expected} variables")]
+    Variables {
+        /// Number of values given.
+        found: usize,
+        /// Number of variables.
+        expected: usize,
+    },
     /// A sample is NaN or infinite.
     #[error("variable {variable}, sample {sample} is {value}; fill or drop it first")]
     NotFinite {

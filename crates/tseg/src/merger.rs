@@ -5,7 +5,7 @@ use crate::series::Series;
 use crate::tournament::Tournament;
 
 /// The bottom-up iteration on a part of a series, with buffers that are reused from run to run.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Merger {
     cost: Cost,
     threshold: f64,

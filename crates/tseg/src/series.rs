@@ -5,7 +5,15 @@ pub(crate) const STEPS_PER_UNIT: f64 = 4_294_967_296.0;
 
 /// `len · max|x|` may not exceed this (in units of the variable). On the grid that is 2⁶¹, so that a sum of
 /// differences stays below 2⁶² and `n` times a sum of their squares below 2¹²⁴.
-const LARGEST_SUM: f64 = 536_870_912.0;
+pub(crate) const LARGEST_SUM: f64 = 536_870_912.0;
+
+fn check_weight(variable: usize, weight: f64) -> Result<(), Error> {
+    if weight.is_finite() && weight >= 0.0 {
+        Ok(())
+    } else {
+        Err(Error::Weight { variable, weight })
+    }
+}
 
 /// A checked multivariate time series: `m` weighted variables of `n` samples each.
 ///
@@ -54,14 +62,43 @@ impl Series {
             .map(|(variable, &(samples, weight))| {
                 check_length(variable, samples.len(), len)?;
                 check_finite(variable, samples)?;
-                if !(weight.is_finite() && weight >= 0.0) {
-                    return Err(Error::Weight { variable, weight });
-                }
+                check_weight(variable, weight)?;
                 Variable::new(variable, samples, weight)
             })
             .collect::<Result<_, _>>()?;
         variables.retain(|variable| variable.weight > 0.0);
         Ok(Self { len, variables })
+    }
+
+    /// A series without samples, to append to, of as many variables as there are positive weights.
+    pub(crate) fn growing(weights: &[f64]) -> Result<Self, Error> {
+        if weights.is_empty() {
+            return Err(Error::NoVariables);
+        }
+        for (variable, &weight) in weights.iter().enumerate() {
+            check_weight(variable, weight)?;
+        }
+        let positive = weights.iter().filter(|&&weight| weight > 0.0);
+        Ok(Self {
+            len: 0,
+            variables: positive.map(|&weight| Variable::empty(weight, 0)).collect(),
+        })
+    }
+
+    /// Appends one value per variable; sums over all samples must stay below [`LARGEST_SUM`].
+    pub(crate) fn push(&mut self, values: impl Iterator<Item = f64>) {
+        self.len += 1;
+        for (variable, value) in self.variables.iter_mut().zip(values) {
+            variable.push(value);
+        }
+    }
+
+    /// Drops the first `count` samples; the others move up.
+    pub(crate) fn forget(&mut self, count: usize) {
+        self.len -= count;
+        for variable in &mut self.variables {
+            variable.forget(count);
+        }
     }
 
     /// Number of samples `n`, at least 1.
@@ -149,6 +186,13 @@ impl Variable {
         self.sums
             .push(self.sums[self.sums.len() - 1].wrapping_add(step));
         self.largest = self.largest.max(step.abs());
+    }
+
+    fn forget(&mut self, count: usize) {
+        self.steps.drain(..count);
+        self.sums.drain(..count);
+        self.run_len.drain(..count);
+        self.largest = self.steps.iter().fold(0, |largest, x| largest.max(x.abs()));
     }
 
     /// Sum of the samples `start..end` in grid steps.

@@ -1,7 +1,9 @@
 use crate::cost::Cost;
-use crate::error::{Error, check_threshold};
+use crate::error::Error;
 use crate::segmentation::Segmentation;
 use crate::series::Series;
+use crate::sliding_window::SlidingWindow;
+use crate::stream::SwabStream;
 use crate::window::Window;
 
 /// How [`Swab`] refills its window after a segment has left it.
@@ -25,8 +27,7 @@ pub enum Refill {
 /// sample is left to read, emit all of the window. Thesis Algorithm 4, after Keogh et al. (2001).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swab {
-    cost: Cost,
-    threshold: f64,
+    sliding: SlidingWindow,
     window: usize,
     refill: Refill,
 }
@@ -38,13 +39,12 @@ impl Swab {
     ///
     /// [`Error::Threshold`] unless the threshold is finite and at least 0, [`Error::Window`] for a window of 0.
     pub fn new(cost: Cost, threshold: f64, window: usize) -> Result<Self, Error> {
-        let threshold = check_threshold(threshold)?;
+        let sliding = SlidingWindow::new(cost, threshold)?;
         if window == 0 {
             return Err(Error::Window);
         }
         Ok(Self {
-            cost,
-            threshold,
+            sliding,
             window,
             refill: Refill::default(),
         })
@@ -58,47 +58,89 @@ impl Swab {
 
     /// Segments the series.
     pub fn segment(&self, series: &Series) -> Segmentation {
-        let mut window = Window::new(self.cost, self.threshold);
-        window.extend(series, self.window.min(series.len()));
+        let mut progress = Progress::new(*self);
         let mut boundaries = vec![0];
-        while window.end < series.len() {
-            boundaries.extend(window.pop_front());
-            let end = self.refilled(series, window.start, window.end);
-            window.extend(series, end);
-        }
-        boundaries.extend(window.ends);
+        boundaries.extend((0..series.len()).filter_map(|sample| progress.advance(series, sample)));
+        boundaries.extend(progress.finish(series));
         Segmentation::from_ordered(boundaries)
     }
 
-    /// Where the window that now is `start..end` ends after refilling.
-    fn refilled(&self, series: &Series, start: usize, mut end: usize) -> usize {
-        let n = series.len();
-        match self.refill {
-            Refill::Keogh => {
-                let most = start.saturating_add(self.window.saturating_mul(2)).min(n);
-                while end < most {
-                    let first = end;
-                    end += 1;
-                    while end < most && self.cost.between(series, first, end + 1) <= self.threshold
-                    {
-                        end += 1;
-                    }
-                    if end - start >= self.window.div_ceil(2) {
-                        break;
-                    }
-                }
-                end
-            }
-            Refill::Literal => {
-                let first = end;
-                end += 1;
-                while end < n && self.cost.between(series, first, end) < self.threshold {
-                    end += 1;
-                }
-                end
-            }
-            Refill::Fixed => start.saturating_add(self.window).min(n),
+    /// The same one sample at a time, for variables of the given weights.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoVariables`] and [`Error::Weight`].
+    pub fn stream(&self, weights: &[f64]) -> Result<SwabStream, Error> {
+        SwabStream::new(*self, weights)
+    }
+}
+
+/// SWAB between two samples: a segmented window, and behind it the samples of its next refill.
+#[derive(Debug, Clone)]
+pub(crate) struct Progress {
+    swab: Swab,
+    pub(crate) window: Window,
+    /// Where the sliding-window segment that is growing starts; none grows in the first window.
+    growing: Option<usize>,
+}
+
+impl Progress {
+    pub(crate) fn new(swab: Swab) -> Self {
+        Self {
+            swab,
+            window: Window::new(swab.sliding.cost, swab.sliding.threshold),
+            growing: None,
         }
+    }
+
+    /// Takes in the sample of that number, the one after the last; returns the end of a segment that is now certain.
+    ///
+    /// The leftmost segment of the window is certain as soon as the window is full: it is emitted whether or not
+    /// another sample follows.
+    pub(crate) fn advance(&mut self, series: &Series, sample: usize) -> Option<usize> {
+        let end = self.refilled(series, sample)?;
+        self.window.extend(series, end);
+        self.growing = Some(end);
+        self.window.pop_front()
+    }
+
+    /// The ends of the remaining segments, if no sample follows.
+    pub(crate) fn finish(mut self, series: &Series) -> impl Iterator<Item = usize> {
+        if self.window.end < series.len() {
+            self.window.extend(series, series.len());
+        }
+        self.window.ends.into_iter()
+    }
+
+    /// Counts samples from `count` on.
+    pub(crate) fn forget(&mut self, count: usize) {
+        self.window.forget(count);
+        self.growing = self.growing.map(|start| start - count);
+    }
+
+    /// Where the window ends, if the given sample completes it.
+    fn refilled(&mut self, series: &Series, sample: usize) -> Option<usize> {
+        let Swab {
+            sliding,
+            window,
+            refill,
+        } = self.swab;
+        let seen = sample + 1;
+        let held = seen - self.window.start;
+        let (Some(start), Refill::Keogh | Refill::Literal) = (self.growing, refill) else {
+            return (held == window).then_some(seen);
+        };
+        if refill == Refill::Literal {
+            return (sliding.cost.between(series, start, seen) >= sliding.threshold)
+                .then_some(seen);
+        }
+        if start < sample && sliding.ends_before(series, start, sample) {
+            self.growing = Some(sample);
+            if sample - self.window.start >= window.div_ceil(2) {
+                return Some(sample);
+            }
+        }
+        (held == window.saturating_mul(2)).then_some(seen)
     }
 }
 
@@ -121,14 +163,6 @@ mod tests {
                 boundaries
             );
         }
-    }
-
-    #[test]
-    fn literal_refill_takes_the_crossing_sample() {
-        let swab = Swab::new(Cost::MeanDeviation, 0.4, 1).unwrap();
-        let series = Series::new(&[(&[0.0, 1.0, 1.0, 5.0, 5.0], 1.0)]).unwrap();
-        assert_eq!(swab.refilled(&series, 1, 1), 3);
-        assert_eq!(swab.with_refill(Refill::Literal).refilled(&series, 1, 1), 4);
     }
 
     #[test]

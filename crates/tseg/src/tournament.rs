@@ -6,7 +6,7 @@ const ARITY: usize = 8;
 type Node = [f64; ARITY];
 
 /// Keys `0..n` under a tree of minima: a change and the leftmost minimum cost `O(log n)` each.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Tournament {
     /// Level 0 holds the keys, each further one the minima of the nodes below it; the last has one node.
     levels: Vec<Vec<Node>>,

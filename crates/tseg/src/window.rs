@@ -12,7 +12,7 @@ use crate::series::Series;
 /// parts segmented on their own are together the result for the whole if bottom-up on the two segments beside each
 /// boundary between neighbouring parts keeps that boundary. Hence two parts are joined by segmenting together as many of
 /// the segments beside their joint as it takes until, on either side, a boundary survives: what is beyond it stays.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Window {
     pub(crate) start: usize,
     pub(crate) end: usize,
@@ -42,6 +42,15 @@ impl Window {
         let end = self.ends.pop_front()?;
         self.start = end;
         Some(end)
+    }
+
+    /// Counts samples from `count` on.
+    pub(crate) fn forget(&mut self, count: usize) {
+        self.start -= count;
+        self.end -= count;
+        for end in &mut self.ends {
+            *end -= count;
+        }
     }
 
     /// Takes in the samples up to `end`, more than so far; returns how many had to be segmented together.

@@ -2,20 +2,20 @@
 
 use proptest::prelude::*;
 use tseg::{
-    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, Stop, Swab,
+    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, SlidingWindow, Stop, Swab,
     merge_percentile, runs,
 };
 
 use crate::rivals;
 
-const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
+pub(crate) const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
 const STOPS: [Stop; 4] = [
     Stop::Keogh,
     Stop::SegmentMax,
     Stop::CandidateMax,
     Stop::Total,
 ];
-const REFILLS: [Refill; 3] = [Refill::Keogh, Refill::Literal, Refill::Fixed];
+pub(crate) const REFILLS: [Refill; 3] = [Refill::Keogh, Refill::Literal, Refill::Fixed];
 
 /// A variable in pieces: few levels and constant stretches, so that ties and zero costs are common, or a random walk.
 fn variable(len: usize) -> impl Strategy<Value = Vec<f64>> {
@@ -36,16 +36,18 @@ fn variable(len: usize) -> impl Strategy<Value = Vec<f64>> {
     })
 }
 
-fn variables(len: std::ops::Range<usize>) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+pub(crate) fn variables(
+    len: std::ops::Range<usize>,
+) -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     len.prop_flat_map(|len| (variable(len), variable(len)))
 }
 
 /// Around the costs of pairs, of segments, and of everything.
-fn thresholds() -> impl Strategy<Value = f64> {
+pub(crate) fn thresholds() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), 0.0..0.5_f64, 0.0..3.0_f64, 0.0..300.0_f64]
 }
 
-fn series((x, y): &(Vec<f64>, Vec<f64>)) -> Series {
+pub(crate) fn series((x, y): &(Vec<f64>, Vec<f64>)) -> Series {
     Series::new(&[(x, 1.8), (y, 1.0)]).unwrap()
 }
 
@@ -98,6 +100,15 @@ proptest! {
     }
 
     #[test]
+    fn sliding_window_is_the_plain_one(data in variables(1..120), threshold in thresholds()) {
+        let series = series(&data);
+        for cost in COSTS {
+            let fast = SlidingWindow::new(cost, threshold).unwrap().segment(&series);
+            prop_assert_eq!(fast.boundaries(), rivals::sliding_window(cost, threshold, &series));
+        }
+    }
+
+    #[test]
     fn swab_in_one_window_is_bottom_up(data in variables(1..100), threshold in 0.0..1.0_f64, more in 0..3_usize) {
         let series = series(&data);
         for cost in COSTS {
@@ -117,6 +128,7 @@ proptest! {
         for segmentation in [
             BottomUp::new(Cost::MeanDeviation, threshold).unwrap().segment(&series),
             Swab::new(Cost::MeanDeviation, threshold, window).unwrap().segment(&series),
+            SlidingWindow::new(Cost::MeanDeviation, threshold).unwrap().segment(&series),
             labelled,
         ] {
             prop_assert_eq!(segmentation.sample_count(), series.len());

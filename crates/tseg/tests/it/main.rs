@@ -13,3 +13,4 @@ mod reference;
 mod reference_merging;
 mod regression;
 mod rivals;
+mod streaming;

@@ -92,6 +92,18 @@ pub(crate) fn bottom_up_until(
     boundaries
 }
 
+/// The sliding window of the thesis's text.
+pub(crate) fn sliding_window(cost: Cost, threshold: f64, series: &Series) -> Vec<usize> {
+    let mut boundaries = vec![0];
+    while boundaries[boundaries.len() - 1] < series.len() {
+        let start = boundaries[boundaries.len() - 1];
+        let crossing = |end: &usize| cost.of_segment(series, start..*end + 1).unwrap() > threshold;
+        let end = (start + 1..series.len()).find(crossing);
+        boundaries.push(end.unwrap_or(series.len()));
+    }
+    boundaries
+}
+
 /// SWAB that runs bottom-up anew on every window.
 pub(crate) fn swab(
     cost: Cost,
