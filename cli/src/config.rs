@@ -11,6 +11,7 @@ use clap::{ArgAction, CommandFactory as _, FromArgMatches as _};
 use toml::{Table, Value};
 
 use crate::cli::Cli;
+use crate::cmd::segment::refuse_idle;
 
 /// Parses the command line, with defaults from the configuration file it names.
 pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<Cli> {
@@ -20,6 +21,9 @@ pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<
         command = with_defaults(command, &path)?;
     }
     let matches = command.try_get_matches_from(args)?;
+    if let Some(matches) = matches.subcommand_matches("segment") {
+        refuse_idle(matches)?;
+    }
     Ok(Cli::from_arg_matches(&matches)?)
 }
 

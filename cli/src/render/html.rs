@@ -22,6 +22,11 @@ pub(crate) fn evaluation_page(document: &Value) -> String {
     )
 }
 
+/// stub
+pub(crate) fn segmentation_page(document: &Value) -> String {
+    script_safe_json(document)
+}
+
 /// JSON that cannot end the `<script>` element it stands in, nor open a comment. The characters replaced occur in JSON inside
 /// strings only, so the parsed document stays the same.
 fn script_safe_json(document: &Value) -> String {

@@ -59,6 +59,15 @@ pub enum Error {
         /// The optimiser's reason.
         reason: String,
     },
+    /// A scaling that needs the whole log, asked of a stream.
+    #[error(
+        "a stream has no whole to take its scale from; \
+         give fixed divisors in m/s and m/s² such as --scale 10,0.5, or --scale none"
+    )]
+    ScaleOfStream,
+    /// A method that needs the whole log, asked of a stream.
+    #[error("only SWAB segments a stream; the other methods need the whole log")]
+    MethodOfStream,
     /// From segmentation.
     #[error(transparent)]
     Segmentation(#[from] tseg::Error),

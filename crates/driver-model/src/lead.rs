@@ -23,7 +23,16 @@ pub fn lead_influenced(log: &DriveLog, range: Range<usize>) -> bool {
     let near = gap
         .iter()
         .zip(speed)
-        .filter(|&(&gap_m, &v)| gap_m < INFLUENCE_GAP_S * v)
+        .filter(|&(&gap_m, &v)| is_near(gap_m, v))
         .count();
-    near > 0 && near as f64 >= INFLUENCED_SHARE * gap.len() as f64
+    is_influenced(near, gap.len())
+}
+
+pub(crate) fn is_near(gap_m: f64, speed_mps: f64) -> bool {
+    gap_m < INFLUENCE_GAP_S * speed_mps
+}
+
+/// Whether so many samples with a near leader make a stretch of so many samples an influenced one.
+pub(crate) fn is_influenced(near: usize, samples: usize) -> bool {
+    near > 0 && near as f64 >= INFLUENCED_SHARE * samples as f64
 }

@@ -54,8 +54,11 @@ mod model_file;
 mod phase;
 pub mod phase_model;
 mod prediction;
+mod segmenter;
 mod statistical;
+mod stream;
 pub mod synth;
+mod tally;
 mod trip;
 
 pub use energy::{DriveEnergy, EnergyStep, drive_energy};
@@ -67,8 +70,12 @@ pub use evaluate::{
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
 pub use model::{DriverModel, ModelKind, TrainingSet};
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput};
-pub use phase::{HeuristicRules, Phase, PhaseCurve, PhaseKind, PhaseOutline};
+pub use phase::{HeuristicRules, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
 pub use phase_model::SpeedGroup;
 pub use prediction::PhasePrediction;
-pub use statistical::{Method, Segmented, StatisticalRules, dead_banded};
+pub use segmenter::{MethodFigures, Segmenter};
+pub use statistical::{
+    Method, Optimality, Scaling, Segmented, Segments, StatisticalRules, dead_banded,
+};
+pub use stream::{PhaseStream, Reading, StreamedPhase};
 pub use trip::{PhaseSettings, Trip, slope_rad};

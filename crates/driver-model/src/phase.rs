@@ -3,7 +3,7 @@ use std::ops::Range;
 use drive_log::DriveLog;
 use serde::Serialize;
 
-use tseg::Metrics;
+use tseg::{Metrics, Segmentation};
 
 use crate::{Error, Segmented, SpeedGroup, dead_banded, lead};
 
@@ -61,6 +61,18 @@ impl Phase {
     }
 }
 
+/// The acceleration among `phases` that a finer segmentation of the same log cuts into most segments, the first of equals.
+#[must_use]
+pub fn most_divided<'a>(phases: &'a [Phase], finer: &Segmentation) -> Option<&'a Phase> {
+    let boundaries = finer.boundaries();
+    let inside = |phase: &Phase| {
+        let upto = |sample| boundaries.partition_point(|&b| b < sample);
+        upto(phase.end) - upto(phase.start)
+    };
+    let accelerations = phases.iter().filter(|p| p.kind == PhaseKind::Acceleration);
+    accelerations.rev().max_by_key(|phase| inside(phase))
+}
+
 /// Thresholds of Table 3.1, by which every sample is labelled alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeuristicRules {
@@ -100,26 +112,34 @@ impl HeuristicRules {
     /// # Errors
     /// [`Error::Option`] for a dead band that is not at least 0.
     pub fn segment(&self, log: &DriveLog) -> Result<Segmented, Error> {
-        let accel = log.accel_mps2();
-        let labels: Vec<PhaseKind> = log
-            .speed_mps()
-            .iter()
-            .zip(&accel)
-            .map(|(&v, &a)| self.label(v, a))
-            .collect();
-        let (segmentation, kinds) = tseg::runs(&labels)?;
+        let (segmentation, kinds) = self.cut(log.speed_mps(), &log.accel_mps2())?;
         let phases = segmentation
             .iter()
             .zip(kinds)
             .map(|(range, kind)| Phase::of(log, range, kind))
             .collect();
-        let accel = dead_banded(&accel, self.accel_deadband_mps2)?;
         Ok(Segmented {
-            metrics: Metrics::new(&accel, &segmentation)?,
+            metrics: Metrics::new(&self.banded(log)?, &segmentation)?,
             cost: None,
+            optimality: None,
             phases,
             segmentation,
         })
+    }
+
+    pub(crate) fn cut(
+        &self,
+        speed_mps: &[f64],
+        accel_mps2: &[f64],
+    ) -> Result<(Segmentation, Vec<PhaseKind>), Error> {
+        let samples = speed_mps.iter().zip(accel_mps2);
+        let labels: Vec<PhaseKind> = samples.map(|(&v, &a)| self.label(v, a)).collect();
+        Ok(tseg::runs(&labels)?)
+    }
+
+    /// The acceleration that the homogeneity figures are about.
+    pub(crate) fn banded(&self, log: &DriveLog) -> Result<Vec<f64>, Error> {
+        dead_banded(&log.accel_mps2(), self.accel_deadband_mps2)
     }
 }
 

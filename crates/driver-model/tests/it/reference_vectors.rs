@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use drive_log::{Channel, DriveLog};
-use driver_model::{HeuristicRules, Method, Segmented, StatisticalRules};
+use driver_model::{HeuristicRules, Method, Scaling, Segmented, StatisticalRules};
 use serde_json::Value;
-use tseg::{Refill, Scale};
+use tseg::{Refill, Scale, Similarity};
 
 fn vectors() -> Option<Vec<PathBuf>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/segmentation");
@@ -85,12 +85,12 @@ fn every_vector_is_reproduced_from_its_speed() {
 
         let rules = StatisticalRules {
             accel_deadband_mps2: params["a_thresh"].as_f64().unwrap(),
-            threshold: params["e_thresh"].as_f64().unwrap(),
             weights: serde_json::from_value(params["w"].clone()).unwrap(),
-            scale: Scale::None,
-            merge_threshold: None,
+            scaling: Scaling::PerLog(Scale::None),
+            similarity: None,
             ..StatisticalRules::default()
         };
+        let threshold = params["e_thresh"].as_f64().unwrap();
         let window = usize::try_from(params["window"].as_u64().unwrap()).unwrap();
         for (key, refill) in [
             ("swab_keogh", Refill::Keogh),
@@ -98,7 +98,11 @@ fn every_vector_is_reproduced_from_its_speed() {
             ("swab_fixed", Refill::Fixed),
         ] {
             let rules = StatisticalRules {
-                method: Method::Swab { window, refill },
+                method: Method::Swab {
+                    threshold,
+                    window,
+                    refill,
+                },
                 ..rules
             };
             assert_matches(
@@ -109,10 +113,13 @@ fn every_vector_is_reproduced_from_its_speed() {
         }
         let merged = StatisticalRules {
             method: Method::Swab {
+                threshold,
                 window,
                 refill: Refill::Keogh,
             },
-            merge_threshold: Some(params["J_pct"].as_f64().unwrap()),
+            similarity: Some(Similarity::Percentile {
+                threshold: params["J_pct"].as_f64().unwrap(),
+            }),
             ..rules
         };
         assert_matches(

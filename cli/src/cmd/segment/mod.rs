@@ -1,0 +1,140 @@
+//! `drivekit segment`: plain, compared (`--compare`) and live (`--follow`).
+
+mod compare;
+mod figures;
+mod flags;
+mod follow;
+mod names;
+mod output;
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use clap::Args;
+use drive_log::DriveLog;
+use driver_model::{Segmented, StatisticalRules};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::exit::Outcome;
+use crate::flags::{Context, Format, LogArgs};
+use crate::inputs::{self, Input};
+use crate::output::{check_file_place, note, print_json, print_text, write_file};
+use crate::progress::Progress;
+use crate::render::json::{Document, Logs};
+use flags::MethodArgs;
+
+pub(crate) use flags::refuse_idle;
+
+/// Boundaries, phases and homogeneity figures
+///
+/// Cuts each drive into segments of like behaviour and says what the driver does in each. A drive with gaps counts as
+/// one log per piece.
+#[derive(Debug, Clone, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit segment drive.csv
+  drivekit segment drive.csv --method heuristic --plot phases.svg
+  drivekit segment drive.csv --merge mean --similarity 0.4,0.55
+  drivekit segment logs/ --threshold 0.1 --window 150 --format json
+  drivekit segment logs/ --compare --report compare.html       Table 3.5 and the figures of the thesis
+  logger | drivekit segment - --follow --format json           a line per segment as it ends")]
+pub(crate) struct SegmentArgs {
+    #[command(flatten)]
+    #[serde(flatten)]
+    logs: LogArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    method: MethodArgs,
+    /// Only the first samples of each log [default: all; 3000 with --compare]
+    #[arg(long, value_name = "SAMPLES", value_parser = at_least_one)]
+    first: Option<usize>,
+    /// Draw speed with coloured phases
+    #[arg(long, value_name = "FILE.svg")]
+    #[serde(skip)]
+    plot: Option<PathBuf>,
+    /// Compare the methods as Table 3.5 of the thesis does: lengths, purity and time, without merging
+    #[arg(long, conflicts_with_all = ["method", "cost", "stop", "refill", "merge", "similarity", "plot", "follow"], help_heading = "Comparison")]
+    #[serde(skip)]
+    compare: bool,
+    /// Write one self-contained page with the comparison, and figures 3.3 to 3.10 for the first log
+    #[arg(
+        long,
+        value_name = "FILE.html",
+        requires = "compare",
+        help_heading = "Comparison"
+    )]
+    #[serde(skip)]
+    report: Option<PathBuf>,
+    /// Segment canonical CSV from stdin while it is written, and print each segment when it has ended. Samples must be
+    /// --step apart; a gap over --max-gap starts a new piece
+    #[arg(long, conflicts_with_all = ["plot", "first"], help_heading = "Streams")]
+    #[serde(skip)]
+    follow: bool,
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("expected a number of samples, at least 1".to_owned()),
+        Ok(samples) => Ok(samples),
+    }
+}
+
+pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outcome> {
+    if args.follow {
+        return follow::run(args, context);
+    }
+    let args = &SegmentArgs {
+        method: args.method.resolved(StatisticalRules::default().scaling)?,
+        ..args.clone()
+    };
+    if args.compare {
+        return compare::run(args, context);
+    }
+    let segmenter = args.method.segmenter()?;
+    if let Some(path) = &args.plot {
+        check_file_place(path)?;
+    }
+    let inputs = inputs::load(&args.logs, context)?;
+    let logs = args.first_samples(&inputs, usize::MAX);
+    let progress = Progress::new(context, "segmenting", logs.len());
+    let segmented = logs
+        .par_iter()
+        .map(|log| {
+            let part = progress.part();
+            let segmented = segmenter
+                .segment(log, &|share| {
+                    part.at(share);
+                    ControlFlow::Continue(())
+                })
+                .with_context(|| log.name().to_owned())?;
+            part.at(1.0);
+            Ok(segmented)
+        })
+        .collect::<anyhow::Result<Vec<Segmented>>>()?;
+    drop(progress);
+    if let Some(path) = &args.plot {
+        let picture = output::plot(&logs, &segmented)?;
+        write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
+        note(context, &format!("picture written to {}", path.display()));
+    }
+    match context.format {
+        Format::Json => {
+            let entries = logs.iter().zip(&segmented);
+            let logs = entries.map(|(log, s)| output::Entry::new(log, s)).collect();
+            print_json(&Document::new("segment", args, &inputs, Logs { logs }))?;
+        }
+        Format::Text => print_text(&output::text(&inputs, &logs, &segmented))?,
+    }
+    Ok(Outcome::Done)
+}
+
+impl SegmentArgs {
+    /// The pieces of all drives, each cut after `--first` or else `default` samples.
+    fn first_samples(&self, inputs: &[Input], default: usize) -> Vec<DriveLog> {
+        let samples = self.first.unwrap_or(default);
+        let pieces = inputs.iter().flat_map(|input| &input.drive.pieces);
+        pieces.map(|log| log.first(samples)).collect()
+    }
+}

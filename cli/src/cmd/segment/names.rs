@@ -1,0 +1,225 @@
+//! The values that the segmentation flags take.
+
+use std::str::FromStr;
+
+use anyhow::bail;
+use clap::ValueEnum;
+use driver_model::Scaling;
+use serde::Serialize;
+use tseg::Similarity;
+
+macro_rules! names {
+    ($(#[$doc:meta])* $name:ident for $target:ty { $($(#[$variant_doc:meta])* $variant:ident => $value:expr),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub(crate) enum $name { $($(#[$variant_doc])* $variant),* }
+
+        impl From<$name> for $target {
+            fn from(name: $name) -> Self {
+                match name { $($name::$variant => $value),* }
+            }
+        }
+    };
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MethodName {
+    /// Runs of samples with the same label (Table 3.1)
+    Heuristic,
+    /// Least total cost
+    Dynamic,
+    /// Merge the cheapest neighbours first
+    BottomUp,
+    /// Grow a segment until it costs too much
+    SlidingWindow,
+    /// Bottom-up in a sliding window
+    Swab,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MergeName {
+    /// Leave the segments as they are
+    None,
+    /// By sign, magnitude and difference of their means
+    Mean,
+    /// The same as printed in Algorithm 5
+    MeanLiteral,
+    /// By l-association intervals, l = 2
+    Association,
+    /// By percentile similarity
+    Percentile,
+}
+
+names! {
+    CostName for tseg::Cost {
+        /// Sum of deviations over the standard deviation (3.19)
+        ZScale => tseg::Cost::ZScale,
+        /// Mean deviation (3.22)
+        MeanDeviation => tseg::Cost::MeanDeviation,
+        /// Sum of squared deviations
+        SquaredError => tseg::Cost::SquaredError,
+    }
+}
+
+names! {
+    StopName for tseg::Stop {
+        /// Before a merged segment would cost more than the threshold
+        Keogh => tseg::Stop::Keogh,
+        /// Once a segment costs more than the threshold
+        SegmentMax => tseg::Stop::SegmentMax,
+        /// Once any possible merge would (Algorithm 3 as printed)
+        CandidateMax => tseg::Stop::CandidateMax,
+        /// Before all segments together would
+        Total => tseg::Stop::Total,
+    }
+}
+
+names! {
+    RefillName for tseg::Refill {
+        /// Sliding-window segments until the window is half full
+        Keogh => tseg::Refill::Keogh,
+        /// One segment including the crossing sample (Algorithm 4)
+        Literal => tseg::Refill::Literal,
+        /// Single samples up to the window length
+        Fixed => tseg::Refill::Fixed,
+    }
+}
+
+/// A number of segments, or `auto`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum SegmentsArg {
+    Number(usize),
+    Auto,
+}
+
+impl FromStr for SegmentsArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("auto", _) => Ok(Self::Auto),
+            (_, Ok(number)) if number > 0 => Ok(Self::Number(number)),
+            _ => Err("expected a number of segments, at least 1, or auto".to_owned()),
+        }
+    }
+}
+
+impl Serialize for SegmentsArg {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => number.serialize(serializer),
+            Self::Auto => "auto".serialize(serializer),
+        }
+    }
+}
+
+/// A scaling by name, or two divisors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ScaleArg(pub(crate) Scaling);
+
+const SCALES: [(&str, tseg::Scale); 4] = [
+    ("none", tseg::Scale::None),
+    ("zscore", tseg::Scale::ZScore),
+    ("range", tseg::Scale::Range),
+    ("max", tseg::Scale::Max),
+];
+
+impl FromStr for ScaleArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some((_, scale)) = SCALES.into_iter().find(|(name, _)| *name == text) {
+            return Ok(Self(Scaling::PerLog(scale)));
+        }
+        let divisors = text.split_once(',').and_then(|(speed, accel)| {
+            let divisor = |text: &str| {
+                text.trim()
+                    .parse()
+                    .ok()
+                    .filter(|x: &f64| x.is_normal() && *x > 0.0)
+            };
+            Some((divisor(speed)?, divisor(accel)?))
+        });
+        let (speed_mps, accel_mps2) = divisors.ok_or(
+            "expected none, zscore, range, max, or two positive numbers such as 10,0.5 (m/s and m/s²)",
+        )?;
+        Ok(Self(Scaling::Fixed {
+            speed_mps,
+            accel_mps2,
+        }))
+    }
+}
+
+impl Serialize for ScaleArg {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Scaling::Fixed {
+                speed_mps,
+                accel_mps2,
+            } => [speed_mps, accel_mps2].serialize(serializer),
+            Scaling::PerLog(scale) => {
+                let named = SCALES.into_iter().find(|(_, known)| *known == scale);
+                named.map(|(name, _)| name).serialize(serializer)
+            }
+        }
+    }
+}
+
+impl MergeName {
+    pub(super) fn default_similarity(self) -> Option<Vec<f64>> {
+        match self {
+            Self::None => None,
+            Self::Mean | Self::MeanLiteral => Some(vec![0.4, 0.55]),
+            Self::Association => Some(vec![0.005]),
+            Self::Percentile => Some(vec![0.64]),
+        }
+    }
+
+    pub(super) fn similarity(self, given: Option<&[f64]>) -> anyhow::Result<Option<Similarity>> {
+        let means = || {
+            pair(
+                "--similarity",
+                "for the means, such as 0.4,0.55",
+                given.unwrap_or_default(),
+            )
+        };
+        let threshold = || match given {
+            Some(&[threshold]) => Ok(threshold),
+            _ => bail!("--similarity takes one number for this --merge, such as 0.64"),
+        };
+        Ok(match self {
+            Self::None => None,
+            Self::Mean => {
+                let [magnitude, difference] = means()?;
+                Some(Similarity::Mean {
+                    magnitude,
+                    difference,
+                })
+            }
+            Self::MeanLiteral => {
+                let [magnitude, difference] = means()?;
+                Some(Similarity::MeanLiteral {
+                    magnitude,
+                    difference,
+                })
+            }
+            Self::Association => Some(Similarity::Association {
+                l: 2.0,
+                threshold: threshold()?,
+            }),
+            Self::Percentile => Some(Similarity::Percentile {
+                threshold: threshold()?,
+            }),
+        })
+    }
+}
+
+pub(super) fn pair(flag: &str, what: &str, values: &[f64]) -> anyhow::Result<[f64; 2]> {
+    match *values {
+        [first, second] => Ok([first, second]),
+        _ => bail!("{flag} takes two numbers {what}"),
+    }
+}
