@@ -42,10 +42,10 @@ fmt:
 bench crate="":
     cargo bench {{ if crate == "" { "--workspace" } else { "-p " + crate } }}
 
-# Fuzz a reader for some seconds: `just fuzz read_log 600`. Needs `cargo install cargo-fuzz`.
+# Fuzz for some seconds: `just fuzz read_log 600`, also read_layout, segment. Needs `cargo install cargo-fuzz`.
 [group('work')]
 fuzz target="read_log" seconds="60":
-    cd crates/drive-log && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }}
+    cd crates/{{ if target == "segment" { "tseg" } else { "drive-log" } }} && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }}
 
 # Make the simulated drives that ship with the project anew.
 [group('work')]

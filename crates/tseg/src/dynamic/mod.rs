@@ -23,14 +23,16 @@ use sweep::sweep;
 use table::Recurrence;
 use walk::Walkable;
 
-/// Values that the plain recurrence may keep, 12 bytes each; beyond, bounds take its place.
-const MOST_VALUES: usize = 4_000_000;
+/// Values of the plain recurrence, 12 bytes each, up to which it is the first choice, and the last resort.
+const FEW_VALUES: usize = 4_000_000;
+const MOST_VALUES: usize = 25_000_000;
 
 /// Segmentation of least total cost into a given number of segments: thesis Algorithm 2, (3.16) to (3.18).
 ///
 /// The recurrence `E_k(r) = min_l E_{k−1}(l) + c(l, r)` in one pass over the `n² / 2` segments, with `O(n k)` values and
-/// no table of costs; `k` costs nothing but memory as long as the values fit. Beyond four million values the optimum is
-/// found, and proved to be one, by way of the penalised problem: see [`Certificate`].
+/// no table of costs. Beyond four million values the optimum is found, and proved to be one, by way of the penalised
+/// problem, in less memory; where that leaves a gap the recurrence is run all the same up to 25 million values (300 MB).
+/// Beyond these the best solution known is given with the gap that remains: see [`Certificate`].
 ///
 /// Of several optima the one whose last segment starts first, recursively, up to rounding.
 ///
@@ -119,7 +121,7 @@ impl Dynamic {
         self.segment_with(series, &|_| ControlFlow::Continue(()))
     }
 
-    /// The same, reporting its progress to, and cancelled by, `progress`.
+    /// The same, reporting its progress to, and cancelled by, `progress`. The fraction starts anew where bounds left a gap.
     ///
     /// # Errors
     ///
@@ -128,12 +130,7 @@ impl Dynamic {
         let problem = self.problem(series.len())?;
         check_finite_costs(self.cost, series)?;
         let walkable = Walkable::new(series, self.cost);
-        let Certified { boundaries, gap } =
-            if problem.segments.saturating_mul(series.len()) <= MOST_VALUES {
-                plain(&walkable, problem, progress)?
-            } else {
-                certified(&walkable, problem, progress)?
-            };
+        let Certified { boundaries, gap } = self.solve(&walkable, problem, progress)?;
         let segmentation = Segmentation::from_ordered(boundaries);
         Ok(Optimum {
             cost: self.cost.total(series, &segmentation)?,
@@ -144,6 +141,24 @@ impl Dynamic {
                 Certificate::Optimal
             },
         })
+    }
+
+    fn solve(
+        &self,
+        walkable: &Walkable<'_>,
+        problem: Problem,
+        progress: &Progress<'_>,
+    ) -> Result<Certified, Error> {
+        let values = problem.segments.saturating_mul(walkable.series().len());
+        // Means of deviations do not add up, so that their penalised problem says little.
+        let bounded = self.cost != Cost::MeanDeviation;
+        if values > MOST_VALUES || bounded && values > FEW_VALUES {
+            let found = certified(walkable, problem, progress)?;
+            if found.gap <= 0.0 || values > MOST_VALUES {
+                return Ok(found);
+            }
+        }
+        plain(walkable, problem, progress)
     }
 
     fn problem(&self, samples: usize) -> Result<Problem, Error> {
