@@ -77,19 +77,23 @@ impl Tournament {
 }
 
 /// Keys are never NaN, so a plain comparison does, which is one instruction.
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 fn minimum(node: &Node) -> f64 {
-    let less = |a: f64, b: f64| if a < b { a } else { b };
     let [a, b, c, d, e, f, g, h] = *node;
     let quads = [less(a, e), less(b, f), less(c, g), less(d, h)];
     less(less(quads[0], quads[2]), less(quads[1], quads[3]))
 }
 
+/// Place of the first key that is `value`, the minimum of the node, by halves and without a branch.
 fn leftmost(node: &Node, value: f64) -> usize {
-    let equal = node
-        .iter()
-        .enumerate()
-        .fold(0_u32, |bits, (i, &key)| bits | u32::from(key <= value) << i);
-    equal.trailing_zeros() as usize
+    let [a, b, c, d, ..] = *node;
+    let above = |place: usize| usize::from(node[place % ARITY] > value);
+    let half = 4 * usize::from(less(less(a, b), less(c, d)) > value);
+    let pair = half + 2 * (above(half) & above(half + 1));
+    pair + above(pair)
 }
 
 #[cfg(test)]
