@@ -101,21 +101,21 @@ impl Merger {
     pub(crate) fn merge(&mut self, series: &Series) -> Option<bool> {
         let (middle, _) = self.candidates.leftmost_min()?;
         let last = self.boundaries.len() - 1;
-        let (start, end) = (
-            self.boundaries[middle].previous,
-            self.boundaries[middle].next,
-        );
-        self.boundaries[start].next = end;
-        self.boundaries[end].previous = start;
-        self.candidates.set(middle, f64::INFINITY);
+        let Boundary { previous, next, .. } = self.boundaries[middle];
+        self.boundaries[previous].next = next;
+        self.boundaries[next].previous = previous;
         let mut within = true;
-        for boundary in [start, end] {
-            if boundary != 0 && boundary != last {
-                let cost = self.candidate(series, boundary);
-                within &= cost.is_finite();
-                self.candidates.set(boundary, cost);
+        // Where there is no boundary to change, the one that is gone is named again.
+        let mut changed = |boundary: usize| {
+            if boundary == 0 || boundary == last {
+                return (middle, f64::INFINITY);
             }
-        }
+            let cost = self.candidate(series, boundary);
+            within &= cost.is_finite();
+            (boundary, cost)
+        };
+        let changes = [changed(previous), (middle, f64::INFINITY), changed(next)];
+        self.candidates.set(changes);
         Some(within)
     }
 
