@@ -5,11 +5,14 @@ use crate::series::{STEPS_PER_UNIT, Variable};
 /// How many samples are scanned between looks for a run of equal ones, and how many equal ones are worth a stop.
 const CHUNK: usize = 32;
 
-/// What [`scan`] takes from every deviation to learn its sign.
+/// What [`scan`] takes from every deviation to learn its sign; for a chunk it adds up to less than half a grid step.
 const NUDGE: f64 = 1.0 / 4096.0;
 
-/// Up to so many samples, half a nudge for each is less than half a grid step.
-const NUDGED: usize = 2047;
+/// Integers up to `2⁵³` are exact.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Samples up to this magnitude differ by no more than [`OFFSET`] can take.
+const LARGEST: i64 = 1 << 50;
 
 /// `1.5 · 2⁵²`: added to an integer below 2⁵¹ in magnitude, it has the integer in its last bits; added to any number of
 /// that size and taken away again, it leaves the nearest integer.
@@ -23,9 +26,13 @@ pub(crate) fn absolute_deviation(variable: &Variable, start: usize, end: usize) 
     if let [first, second] = variable.steps[start..end] {
         return (first - second).abs() as f64 / STEPS_PER_UNIT;
     }
-    let mean = variable.sum(start, end) as f64 / (end - start) as f64;
-    let sums = scan(variable, start, end, mean);
-    let Sums { floor, sum, excess } = sums.unwrap_or_else(|| scan_integers(variable, start, end));
+    let total = variable.sum(start, end);
+    let mean = total as f64 / (end - start) as f64;
+    // A mean that is no integer stays apart from them in rounding: it is off by `1 / n` at least.
+    let small = (total.unsigned_abs() as f64) < EXACT && variable.largest <= LARGEST;
+    let scanned = small.then(|| scan(variable, start, end, mean)).flatten();
+    let Sums { floor, sum, excess } =
+        scanned.unwrap_or_else(|| scan_integers(variable, start, end));
     // Outside [0, 1] only where the mean has more than 53 bits.
     let fraction = (mean - floor).clamp(0.0, 1.0);
     (sum + fraction * excess) / STEPS_PER_UNIT
@@ -38,37 +45,41 @@ struct Sums {
     excess: f64,
 }
 
-/// All in floating point, out of `Σ|x − ⌊x̄⌋ − nudge|`, whose fraction is the excess times the nudge.
+/// All in floating point. Chunk by chunk out of `Σ|x − ⌊x̄⌋ − nudge|`, whose fraction is the excess times the nudge.
 ///
-/// `None` where that is not exact: many samples, or large ones.
+/// `None` where that is not exact.
 fn scan(variable: &Variable, start: usize, mut end: usize, mean: f64) -> Option<Sums> {
-    /// Multiples of the nudge are exact up to this; it keeps the mean apart from integers that it is not, too.
-    const EXACT: f64 = 2_199_023_255_552.0;
-    const EXACT_STEPS: i64 = 1 << 50;
-    if end - start > NUDGED || mean.abs() > EXACT || variable.largest > EXACT_STEPS {
-        return None;
-    }
     let nearest = (mean + OFFSET) - OFFSET;
     let floor = if nearest > mean {
         nearest - 1.0
     } else {
         nearest
     };
-    let mut total = 0.0;
+    let centre = OFFSET + floor;
+    let (mut sum, mut fraction, mut largest) = (0.0, 0.0, 0.0);
+    let mut add = |times: f64, total: f64| {
+        let whole = (total + OFFSET) - OFFSET;
+        sum += times * whole;
+        fraction += times * (total - whole);
+        largest = if total > largest { total } else { largest };
+    };
     while end - start > CHUNK {
         let run = (variable.run_len[end - 1] as usize).min(end - start);
         if run > CHUNK {
             end -= run;
-            total += run as f64 * distance(variable.steps[end], OFFSET + floor);
+            add(run as f64, distance(variable.steps[end], centre));
         } else {
-            total += scan_chunk(&variable.steps[end - CHUNK..end], OFFSET + floor);
+            add(1.0, scan_chunk(&variable.steps[end - CHUNK..end], centre));
             end -= CHUNK;
         }
     }
-    total += scan_chunk(&variable.steps[start..end], OFFSET + floor);
-    let sum = (total + OFFSET) - OFFSET;
-    let excess = (total - sum) / NUDGE;
-    (total <= EXACT).then_some(Sums { floor, sum, excess })
+    add(1.0, scan_chunk(&variable.steps[start..end], centre));
+    let exact = largest <= EXACT * NUDGE && sum <= EXACT;
+    exact.then_some(Sums {
+        floor,
+        sum,
+        excess: fraction / NUDGE,
+    })
 }
 
 fn scan_chunk(steps: &[i64], centre: f64) -> f64 {
