@@ -9,13 +9,18 @@ use crate::tournament::Tournament;
 pub(crate) struct Merger {
     cost: Cost,
     threshold: f64,
-    /// Boundaries at the start of the run; the other fields refer to them by index.
-    boundaries: Vec<usize>,
-    /// The surviving boundary before and after each surviving one.
-    previous: Vec<usize>,
-    next: Vec<usize>,
+    /// The boundaries at the start of the run, and which of them survive.
+    boundaries: Vec<Boundary>,
     /// What it costs to remove each boundary; infinite where that is above the threshold or the boundary is gone.
     candidates: Tournament,
+}
+
+/// A boundary between samples, and the index of the surviving one before and after it while it survives.
+#[derive(Debug, Clone, Copy)]
+struct Boundary {
+    sample: usize,
+    previous: usize,
+    next: usize,
 }
 
 /// A merge that is due: the segments `start..middle` and `middle..end` become one, of the given cost.
@@ -33,8 +38,6 @@ impl Merger {
             cost,
             threshold,
             boundaries: Vec::new(),
-            previous: Vec::new(),
-            next: Vec::new(),
             candidates: Tournament::default(),
         }
     }
@@ -63,15 +66,15 @@ impl Merger {
         starts: impl Iterator<Item = usize>,
         end: usize,
     ) {
+        let chained = |(index, sample): (usize, usize)| Boundary {
+            sample,
+            previous: index.saturating_sub(1),
+            next: index + 1,
+        };
         self.boundaries.clear();
-        self.boundaries.extend(starts);
-        self.boundaries.push(end);
+        self.boundaries
+            .extend(starts.chain([end]).enumerate().map(chained));
         let last = self.boundaries.len() - 1;
-        self.next.clear();
-        self.next.extend(1..=last + 1);
-        self.previous.clear();
-        self.previous.push(0);
-        self.previous.extend(0..last);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.reset(last);
         candidates.fill(1, (1..last).map(|i| self.candidate(series, i)));
@@ -81,11 +84,16 @@ impl Merger {
     /// The merge that is due, the leftmost of the cheapest, unless all are above the threshold.
     pub(crate) fn due(&self) -> Option<Merge> {
         let (middle, cost) = self.candidates.leftmost_min()?;
+        let Boundary {
+            sample,
+            previous,
+            next,
+        } = self.boundaries[middle];
         Some(Merge {
             cost,
-            start: self.boundaries[self.previous[middle]],
-            middle: self.boundaries[middle],
-            end: self.boundaries[self.next[middle]],
+            start: self.boundaries[previous].sample,
+            middle: sample,
+            end: self.boundaries[next].sample,
         })
     }
 
@@ -93,18 +101,21 @@ impl Merger {
     pub(crate) fn merge(&mut self, series: &Series) -> Option<bool> {
         let (middle, _) = self.candidates.leftmost_min()?;
         let last = self.boundaries.len() - 1;
-        let (start, end) = (self.previous[middle], self.next[middle]);
-        self.next[start] = end;
-        self.previous[end] = start;
-        self.candidates.set(middle, f64::INFINITY);
+        let Boundary { previous, next, .. } = self.boundaries[middle];
+        self.boundaries[previous].next = next;
+        self.boundaries[next].previous = previous;
         let mut within = true;
-        for boundary in [start, end] {
-            if boundary != 0 && boundary != last {
-                let cost = self.candidate(series, boundary);
-                within &= cost.is_finite();
-                self.candidates.set(boundary, cost);
+        // Where there is no boundary to change, the one that is gone is named again.
+        let mut changed = |boundary: usize| {
+            if boundary == 0 || boundary == last {
+                return (middle, f64::INFINITY);
             }
-        }
+            let cost = self.candidate(series, boundary);
+            within &= cost.is_finite();
+            (boundary, cost)
+        };
+        let changes = [changed(previous), (middle, f64::INFINITY), changed(next)];
+        self.candidates.set(changes);
         Some(within)
     }
 
@@ -115,24 +126,25 @@ impl Merger {
     }
 
     pub(crate) fn first_end(&self) -> usize {
-        self.boundaries[self.next[0]]
+        self.boundaries[self.boundaries[0].next].sample
     }
 
     pub(crate) fn last_start(&self) -> usize {
-        self.boundaries[self.previous[self.boundaries.len() - 1]]
+        self.boundaries[self.boundaries[self.boundaries.len() - 1].previous].sample
     }
 
     /// Segment ends, from left to right.
     pub(crate) fn ends(&self) -> impl Iterator<Item = usize> + '_ {
         let last = self.boundaries.len() - 1;
-        let after = move |&boundary: &usize| (boundary < last).then(|| self.next[boundary]);
-        std::iter::successors(after(&0), after).map(|boundary| self.boundaries[boundary])
+        let after = move |&index: &usize| (index < last).then(|| self.boundaries[index].next);
+        std::iter::successors(after(&0), after).map(|index| self.boundaries[index].sample)
     }
 
     /// What it costs to remove the boundary, infinite if that is above the threshold.
     fn candidate(&self, series: &Series, boundary: usize) -> f64 {
-        let start = self.boundaries[self.previous[boundary]];
-        let end = self.boundaries[self.next[boundary]];
+        let Boundary { previous, next, .. } = self.boundaries[boundary];
+        let start = self.boundaries[previous].sample;
+        let end = self.boundaries[next].sample;
         let cost = self.cost.between(series, start, end);
         if cost <= self.threshold {
             cost

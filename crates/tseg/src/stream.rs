@@ -4,16 +4,17 @@ use crate::error::Error;
 use crate::series::{LARGEST_SUM, STEPS_PER_UNIT, Series};
 use crate::swab::{Progress, Swab};
 
-/// How many samples of emitted segments are held until they are dropped together.
+/// Samples of emitted segments are dropped together, when they number this and this share of the samples held.
 const SLACK: usize = 64;
+const SLACK_SHARE: usize = 8;
 
 /// SWAB for samples that arrive one at a time, from [`Swab::stream`].
 ///
 /// The segments are those of [`Swab::segment`] on the whole series, each given as soon as no later sample can change it.
 ///
-/// With a window of `w` samples it holds up to `2w + 63` samples for [`Refill::Keogh`](crate::Refill::Keogh), `w + 63`
-/// for [`Refill::Fixed`](crate::Refill::Fixed), and for [`Refill::Literal`](crate::Refill::Literal) as many as it takes.
-/// A push takes `O(w (log w + l))` time at most, for segments of `l` samples, and mostly `O(l)`.
+/// With a window of `w` samples it holds up to `2w` samples for [`Refill::Keogh`](crate::Refill::Keogh), `w` for
+/// [`Refill::Fixed`](crate::Refill::Fixed), and for [`Refill::Literal`](crate::Refill::Literal) as many as it takes, and
+/// a seventh more or 63 of segments given already. A push takes `O(w (log w + l))` time at most, for segments of `l` samples, and mostly `O(l)`.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct SwabStream {
@@ -63,7 +64,7 @@ impl SwabStream {
         };
         let segment = self.start..self.dropped + end;
         self.start = segment.end;
-        if end >= SLACK {
+        if end >= SLACK && end >= self.held.len() / SLACK_SHARE {
             self.held.forget(end);
             self.progress.forget(end);
             self.dropped += end;

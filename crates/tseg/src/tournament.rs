@@ -46,16 +46,24 @@ impl Tournament {
         }
     }
 
-    pub(crate) fn set(&mut self, key: usize, mut value: f64) {
-        let mut place = key;
-        for level in &mut self.levels[..self.height] {
-            let node = &mut level[place / ARITY];
-            if node[place % ARITY].to_bits() == value.to_bits() {
-                return;
+    /// Changes keys, given in ascending order.
+    pub(crate) fn set<const N: usize>(&mut self, changes: [(usize, f64); N]) {
+        let leaves = self.levels[0].as_flattened_mut();
+        for (key, value) in changes {
+            leaves[key] = value;
+        }
+        let mut places = changes.map(|(key, _)| key / ARITY);
+        for height in 1..self.height {
+            let (below, level) = self.levels.split_at_mut(height);
+            let (below, level) = (&below[height - 1], level[0].as_flattened_mut());
+            let mut done = usize::MAX;
+            for place in &mut places {
+                if *place != done {
+                    done = *place;
+                    level[done] = minimum(&below[done]);
+                }
+                *place /= ARITY;
             }
-            node[place % ARITY] = value;
-            value = minimum(node);
-            place /= ARITY;
         }
     }
 
@@ -77,19 +85,23 @@ impl Tournament {
 }
 
 /// Keys are never NaN, so a plain comparison does, which is one instruction.
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 fn minimum(node: &Node) -> f64 {
-    let less = |a: f64, b: f64| if a < b { a } else { b };
     let [a, b, c, d, e, f, g, h] = *node;
     let quads = [less(a, e), less(b, f), less(c, g), less(d, h)];
     less(less(quads[0], quads[2]), less(quads[1], quads[3]))
 }
 
+/// Place of the first key that is `value`, the minimum of the node, by halves and without a branch.
 fn leftmost(node: &Node, value: f64) -> usize {
-    let equal = node
-        .iter()
-        .enumerate()
-        .fold(0_u32, |bits, (i, &key)| bits | u32::from(key <= value) << i);
-    equal.trailing_zeros() as usize
+    let [a, b, c, d, ..] = *node;
+    let above = |place: usize| usize::from(node[place % ARITY] > value);
+    let half = 4 * usize::from(less(less(a, b), less(c, d)) > value);
+    let pair = half + 2 * (above(half) & above(half + 1));
+    pair + above(pair)
 }
 
 #[cfg(test)]
@@ -104,11 +116,11 @@ mod tests {
             assert_eq!(keys.leftmost_min(), None);
             keys.fill(1, [3.0, 2.0, 2.0, 7.0].into_iter());
             assert_eq!(keys.leftmost_min(), Some((2, 2.0)));
-            keys.set(2, f64::INFINITY);
+            keys.set([(2, f64::INFINITY)]);
             assert_eq!(keys.leftmost_min(), Some((3, 2.0)));
-            keys.set(1, 2.0);
+            keys.set([(1, 2.0), (3, 2.5)]);
             assert_eq!(keys.leftmost_min(), Some((1, 2.0)));
-            keys.set(n - 1, 0.5);
+            keys.set([(1, 1.0), (n - 1, 0.5)]);
             assert_eq!(keys.leftmost_min(), Some((n - 1, 0.5)));
         }
     }
