@@ -1,4 +1,3 @@
-use std::ops::Range;
 
 use crate::series::{STEPS_PER_UNIT, Variable};
 
