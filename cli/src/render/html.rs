@@ -1,30 +1,54 @@
-//! The evaluation document as one HTML page that needs nothing but itself.
+//! Documents as HTML pages that need nothing but themselves.
 
 use serde_json::Value;
 
-const SCRIPT: &str = concat!(
-    include_str!("report/data.js"),
+const EVALUATION_SCRIPT: &str = concat!(
+    include_str!("report/base.js"),
+    include_str!("report/page.js"),
     include_str!("report/tables.js"),
+    include_str!("report/data.js"),
+    include_str!("report/scores.js"),
     include_str!("report/histograms.js"),
     include_str!("report/curves.js"),
     include_str!("report/main.js"),
+);
+
+const SEGMENTATION_SCRIPT: &str = concat!(
+    include_str!("report/base.js"),
+    include_str!("report/page.js"),
+    include_str!("report/tables.js"),
+    include_str!("report/segments.js"),
 );
 
 /// The page for a document of the schema `drivekit/evaluate/1`: tables, histograms and predicted speed curves, drawn by the
 /// page's own script from the document inside it. Keys that the document lacks are named on the page.
 #[must_use]
 pub(crate) fn evaluation_page(document: &Value) -> String {
-    format!(
-        include_str!("report/report.html"),
-        style = include_str!("report/report.css"),
-        script = SCRIPT,
-        document = script_safe_json(document),
+    let body = include_str!("report/evaluate.html");
+    page("Driver model evaluation", body, EVALUATION_SCRIPT, document)
+}
+
+/// The page for a document of the schema `drivekit/segment-compare/1` with its `figures`: Table 3.5 and figures 3.3 to 3.10.
+#[must_use]
+pub(crate) fn segmentation_page(document: &Value) -> String {
+    let body = include_str!("report/segments.html");
+    page(
+        "Segmentation methods compared",
+        body,
+        SEGMENTATION_SCRIPT,
+        document,
     )
 }
 
-/// stub
-pub(crate) fn segmentation_page(document: &Value) -> String {
-    script_safe_json(document)
+fn page(title: &str, body: &str, script: &str, document: &Value) -> String {
+    format!(
+        include_str!("report/page.html"),
+        title = title,
+        style = include_str!("report/report.css"),
+        body = body,
+        script = script,
+        document = script_safe_json(document),
+    )
 }
 
 /// JSON that cannot end the `<script>` element it stands in, nor open a comment. The characters replaced occur in JSON inside

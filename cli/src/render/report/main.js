@@ -22,8 +22,6 @@ function headline(report) {
   byId('facts').append(...facts);
 }
 
-const fact = (term, value, unit = '') => el('div', {}, el('dt', {}, term), el('dd', {}, value, el('small', {}, unit)));
-
 function verdict(best, baseline) {
   if (best === null) return 'No model has an RMSE.';
   const rmse = (model) => quantity(kmh(model.summary.rmse_mps), 2, 'km/h');
@@ -32,16 +30,6 @@ function verdict(best, baseline) {
   const share = `${quantity(number(best.summary.in_band_pct), 1, '%')} of the samples ${band}`;
   const comparison = baseline === null ? '' : `; the best baseline, ${baseline.name}, has ${rmse(baseline)}`;
   return `The best model, ${best.name}, has a mean RMSE of ${rmse(best)}, with ${share}${comparison}.`;
-}
-
-function problems(report) {
-  const lines = [];
-  if (report.missing.length > 0)
-    lines.push(`The document lacks: ${report.missing.join(', ')}. The sections that need them are empty.`);
-  if (report.schema !== '' && report.schema !== SCHEMA)
-    lines.push(`The document is “${report.schema}”; this page is made for “${SCHEMA}”.`);
-  byId('problems').append(...lines.map((line) => el('p', {}, line)));
-  byId('problems').hidden = lines.length === 0;
 }
 
 function picker(report, shown, onChange) {
@@ -59,41 +47,12 @@ function picker(report, shown, onChange) {
   byId('picker').hidden = report.models.length === 0;
 }
 
-function parseDocument() {
-  try {
-    return JSON.parse(byId('document').textContent);
-  } catch {
-    return null;
-  }
-}
-
-/** Follows the width of the page, the colour scheme and printing, none of which a canvas follows by itself. */
-function keepDrawn(redraw) {
-  let width = 0;
-  new ResizeObserver(([entry]) => {
-    if (entry.contentRect.width === width) return;
-    width = entry.contentRect.width;
-    // In a frame of its own: drawing changes the layout that is being observed.
-    requestAnimationFrame(redraw);
-  }).observe(byId('report'));
-  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
-  for (const [event, printing] of [
-    ['beforeprint', true],
-    ['afterprint', false],
-  ]) {
-    window.addEventListener(event, () => {
-      document.documentElement.classList.toggle('printing', printing);
-      redraw();
-    });
-  }
-}
-
 function main() {
   const report = readReport(parseDocument());
   const shown = defaultSelection(report);
   const chart = newChart(report);
   headline(report);
-  problems(report);
+  problems(report, SCHEMA);
   byId('models-body').append(
     report.models.length > 0 ? summaryTable(report) : note('The document has no models and no baselines.'),
   );
