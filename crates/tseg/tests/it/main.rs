@@ -4,6 +4,7 @@
     clippy::panic,
     clippy::float_cmp,
     clippy::print_stderr,
+    clippy::single_range_in_vec_init,
     missing_docs
 )]
 
