@@ -8,8 +8,11 @@ use tseg::{Cost, Dynamic, Error, Series};
 
 const SAMPLES: i32 = 20;
 
+/// The value at a sample.
+type Shape = fn(i32) -> f64;
+
 fn main() -> Result<(), Error> {
-    let shapes: [(&str, fn(i32) -> f64); 5] = [
+    let shapes: [(&str, Shape); 5] = [
         ("constant", |_| 3.0),
         ("ramp", |i| f64::from(i) / 10.0),
         ("step in the middle", |i| f64::from(i / 10)),

@@ -1,4 +1,3 @@
-
 use crate::series::{STEPS_PER_UNIT, Variable};
 
 /// How many samples are scanned between looks for a run of equal ones, and how many equal ones are worth a stop.

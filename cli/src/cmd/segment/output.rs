@@ -161,6 +161,9 @@ pub(super) fn text(inputs: &[Input], logs: &[DriveLog], segmented: &[Segmented])
     }
     let mut text = table.render();
     if let ([_], [log], [segmented]) = (inputs, logs, segmented) {
+        if let Some(optimality) = &segmented.optimality {
+            text.push_str(&optimality_text(optimality, segmented.metrics.segments));
+        }
         text.push('\n');
         text.push_str(&segment_table(log, segmented));
     } else {
@@ -168,6 +171,28 @@ pub(super) fn text(inputs: &[Input], logs: &[DriveLog], segmented: &[Segmented])
             text,
             "\nName one log to see its segments, or ask for --format json."
         );
+    }
+    text
+}
+
+/// Whether the cost is proved to be the least, and the curve from which the number of segments was chosen.
+fn optimality_text(optimality: &Optimality, chosen: usize) -> String {
+    let mut text = if optimality.gap > 0.0 {
+        format!(
+            "\nnot certified: another could cost less by up to {:.3}\n",
+            optimality.gap
+        )
+    } else {
+        "\ncertified optimal\n".to_owned()
+    };
+    if !optimality.curve.is_empty() {
+        let mut table = Table::new(["segments", "least cost", ""]);
+        for &(segments, cost) in &optimality.curve {
+            let mark = if segments == chosen { "knee" } else { "" };
+            table.row([segments.to_string(), number(cost, 3), mark.to_owned()]);
+        }
+        text.push('\n');
+        text.push_str(&table.render());
     }
     text
 }
