@@ -57,7 +57,7 @@ impl Cost {
             .fold(0.0, |total, cost| total + cost))
     }
 
-    /// No segmentation costs more than about this.
+    /// No segmentation costs more than about this, nor does anything on the way to its cost.
     pub(crate) fn bound(self, series: &Series) -> f64 {
         let n = series.len() as f64;
         series.variables().iter().fold(0.0, |sum, v| {
@@ -68,7 +68,8 @@ impl Cost {
             sum + n
                 * v.weight
                 * match self {
-                    Self::ZScale => 1.0,
+                    // The weighted deviation, in grid steps, before it is divided.
+                    Self::ZScale => 1.0 + range * STEPS_PER_UNIT,
                     Self::MeanDeviation => range,
                     Self::SquaredError => range * range,
                 }

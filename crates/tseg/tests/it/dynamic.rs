@@ -159,13 +159,10 @@ fn refuses_what_cannot_be() {
             .is_err()
     );
     let heavy = Series::new(&[(&[0.0, 9.0], f64::MAX)]).unwrap();
-    assert_eq!(
-        Dynamic::new(Cost::SquaredError, 1)
-            .unwrap()
-            .segment(&heavy)
-            .unwrap_err(),
-        Error::CostOverflow
-    );
+    for cost in COSTS {
+        let method = Dynamic::new(cost, 1).unwrap();
+        assert_eq!(method.segment(&heavy).unwrap_err(), Error::CostOverflow);
+    }
 }
 
 #[test]
