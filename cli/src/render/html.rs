@@ -2,53 +2,79 @@
 
 use serde_json::Value;
 
-const EVALUATION_SCRIPT: &str = concat!(
-    include_str!("report/base.js"),
-    include_str!("report/page.js"),
-    include_str!("report/tables.js"),
-    include_str!("report/data.js"),
-    include_str!("report/scores.js"),
-    include_str!("report/histograms.js"),
-    include_str!("report/curves.js"),
-    include_str!("report/main.js"),
-);
+/// What one kind of page adds to the frame that all share.
+struct Page {
+    command: &'static str,
+    title: &'static str,
+    /// Sections by id and name, those of the frame left out.
+    contents: &'static [(&'static str, &'static str)],
+    sections: &'static str,
+    script: &'static str,
+}
 
-const SEGMENTATION_SCRIPT: &str = concat!(
-    include_str!("report/base.js"),
-    include_str!("report/page.js"),
-    include_str!("report/tables.js"),
-    include_str!("report/segments.js"),
-);
+const EVALUATION: Page = Page {
+    command: "evaluate",
+    title: "Driver model evaluation",
+    contents: &[
+        ("models", "Models"),
+        ("figures", "Figures"),
+        ("curves", "Curves"),
+        ("groups", "Speed groups"),
+        ("trips", "Held-out trips"),
+    ],
+    sections: include_str!("report/evaluate.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/data.js"),
+        include_str!("report/scores.js"),
+        include_str!("report/histograms.js"),
+        include_str!("report/curves.js"),
+        include_str!("report/main.js"),
+    ),
+};
+
+const SEGMENTATION: Page = Page {
+    command: "segment --compare",
+    title: "Segmentation methods compared",
+    contents: &[("table", "Table 3.5"), ("figures", "Figures 3.3 to 3.10")],
+    sections: include_str!("report/segments.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/segments.js"),
+    ),
+};
 
 /// The page for a document of the schema `drivekit/evaluate/1`: tables, histograms and predicted speed curves, drawn by the
 /// page's own script from the document inside it. Keys that the document lacks are named on the page.
 #[must_use]
 pub(crate) fn evaluation_page(document: &Value) -> String {
-    let body = include_str!("report/evaluate.html");
-    page("Driver model evaluation", body, EVALUATION_SCRIPT, document)
+    EVALUATION.filled(document)
 }
 
 /// The page for a document of the schema `drivekit/segment-compare/1` with its `figures`: Table 3.5 and figures 3.3 to 3.10.
 #[must_use]
 pub(crate) fn segmentation_page(document: &Value) -> String {
-    let body = include_str!("report/segments.html");
-    page(
-        "Segmentation methods compared",
-        body,
-        SEGMENTATION_SCRIPT,
-        document,
-    )
+    SEGMENTATION.filled(document)
 }
 
-fn page(title: &str, body: &str, script: &str, document: &Value) -> String {
-    format!(
-        include_str!("report/page.html"),
-        title = title,
-        style = include_str!("report/report.css"),
-        body = body,
-        script = script,
-        document = script_safe_json(document),
-    )
+impl Page {
+    fn filled(&self, document: &Value) -> String {
+        let link = |(id, label): &(&str, &str)| format!("    <a href=\"#{id}\">{label}</a>\n");
+        format!(
+            include_str!("report/page.html"),
+            command = self.command,
+            title = self.title,
+            contents = self.contents.iter().map(link).collect::<String>(),
+            sections = self.sections,
+            style = include_str!("report/report.css"),
+            script = self.script,
+            document = script_safe_json(document),
+        )
+    }
 }
 
 /// JSON that cannot end the `<script>` element it stands in, nor open a comment. The characters replaced occur in JSON inside
@@ -77,6 +103,8 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
+    const PAGES: [fn(&Value) -> String; 2] = [evaluation_page, segmentation_page];
+
     /// What a browser takes for the content of the data element.
     fn embedded(page: &str) -> &str {
         let (_, rest) = page.split_once(DATA_START).unwrap();
@@ -87,11 +115,12 @@ mod tests {
     fn hostile_text_stays_data() {
         let trip = "</script><img src=x onerror=alert(1)><!--<script>&amp;\u{2028}\u{2029}\"\\";
         let document = json!({ "phases": [{ "trip": trip }], trip: { "{style}": "{script}" } });
-        let page = evaluation_page(&document);
-        assert!(!page.contains("<img"));
-        let data = embedded(&page);
-        assert!(!data.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
-        assert_eq!(serde_json::from_str::<Value>(data).unwrap(), document);
+        for page in PAGES.map(|page| page(&document)) {
+            assert!(!page.contains("<img"));
+            let data = embedded(&page);
+            assert!(!data.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
+            assert_eq!(serde_json::from_str::<Value>(data).unwrap(), document);
+        }
     }
 
     #[test]
@@ -113,15 +142,17 @@ mod tests {
             json!("text"),
             json!({ "models": 3, "phases": { "0": null } }),
         ] {
-            let page = evaluation_page(&document);
-            assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+            for page in PAGES.map(|page| page(&document)) {
+                assert!(
+                    page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>")
+                );
+            }
         }
     }
 
     #[test]
     fn sections_are_present_in_order() {
-        let page = evaluation_page(&json!({}));
-        let sections = [
+        let evaluation = [
             "headline",
             "models",
             "picker",
@@ -135,33 +166,38 @@ mod tests {
             "findings",
             "provenance",
         ];
-        let places: Vec<usize> = sections
-            .iter()
-            .map(|id| {
+        let segmentation = ["headline", "table", "figures", "findings", "provenance"];
+        for (page, sections) in [
+            (evaluation_page(&json!({})), &evaluation[..]),
+            (segmentation_page(&json!({})), &segmentation),
+        ] {
+            let place = |id: &&str| {
                 page.find(&format!("id=\"{id}\""))
                     .unwrap_or_else(|| panic!("no {id}"))
-            })
-            .collect();
-        assert!(places.is_sorted(), "{places:?}");
+            };
+            let places: Vec<usize> = sections.iter().map(place).collect();
+            assert!(places.is_sorted(), "{places:?}");
+        }
     }
 
     #[test]
     fn the_page_reaches_for_nothing_outside() {
-        let page = evaluation_page(&json!({}));
-        assert!(page.contains("default-src 'none'"));
-        let without_namespace = page.replace("http://www.w3.org/2000/svg", "");
-        for external in [
-            "http:",
-            "https:",
-            "//cdn",
-            "@import",
-            "url(",
-            "fetch(",
-            "XMLHttpRequest",
-            "<link rel=\"stylesheet\"",
-            "innerHTML",
-        ] {
-            assert!(!without_namespace.contains(external), "{external}");
+        for page in PAGES.map(|page| page(&json!({}))) {
+            assert!(page.contains("default-src 'none'"));
+            let without_namespace = page.replace("http://www.w3.org/2000/svg", "");
+            for external in [
+                "http:",
+                "https:",
+                "//cdn",
+                "@import",
+                "url(",
+                "fetch(",
+                "XMLHttpRequest",
+                "<link rel=\"stylesheet\"",
+                "innerHTML",
+            ] {
+                assert!(!without_namespace.contains(external), "{external}");
+            }
         }
     }
 }

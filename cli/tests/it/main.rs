@@ -15,6 +15,7 @@ mod energy;
 mod evaluate;
 mod fit_predict;
 mod flags;
+mod follow;
 mod inspect;
 mod program;
 mod segment;

@@ -26,7 +26,7 @@ pub(crate) fn drivekit_in(folder: &Path, args: &[&str]) -> Run {
         .output())
 }
 
-fn run(output: std::io::Result<Output>) -> Run {
+pub(crate) fn run(output: std::io::Result<Output>) -> Run {
     let output = output.unwrap();
     Run {
         code: output.status.code().expect("not killed by a signal"),

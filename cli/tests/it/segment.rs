@@ -34,7 +34,7 @@ fn boundaries_partition_the_log_for_every_method() {
             "1000",
         ],
         &["--cost", "z-scale", "--threshold", "20"],
-        &["--scale", "10,0.5", "--merge", "mean-literal"],
+        &["--scale", "18,1.6", "--merge", "mean-literal"],
         &["--scale", "zscore", "--weights", "1,1"],
     ] {
         let mut args = vec!["segment", &drive, "--format", "json"];
@@ -57,7 +57,8 @@ fn the_picture_is_svg_with_coloured_phases() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("phases.svg");
     let drive = fixture("drives/drive-01.csv");
-    drivekit(&["segment", &drive, "--plot", path.to_str().unwrap()]).ok();
+    let run = ["segment", &drive, "--scale", "zscore", "--plot"];
+    drivekit(&[&run[..], &[path.to_str().unwrap()]].concat()).ok();
     let picture = fs::read_to_string(path).unwrap();
     assert!(picture.starts_with("<svg"));
     for phase in ["acceleration", "braking", "cruise"] {

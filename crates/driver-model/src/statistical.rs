@@ -98,10 +98,10 @@ pub enum Scaling {
 }
 
 impl Scaling {
-    /// The standard deviations of the WLTC (class 3b, 10 Hz, Hann window of 5 samples, dead band of 0.4 m/s²), rounded.
+    /// Half the ranges of the WLTC (class 3b, 10 Hz, Hann window of 5 samples, dead band of 0.4 m/s²), rounded.
     pub const WLTC: Self = Self::Fixed {
-        speed_mps: 10.0,
-        accel_mps2: 0.5,
+        speed_mps: 18.0,
+        accel_mps2: 1.6,
     };
 
     fn scaled(self, speed_mps: &[f64], accel_mps2: &[f64]) -> Result<[Vec<f64>; 2], Error> {
@@ -143,9 +143,9 @@ impl Scaling {
 }
 
 impl Default for StatisticalRules {
-    /// The thesis's parameters. It does not say how its variables were scaled. Standardising them gives SWAB segments of
-    /// 35 ± 51 samples on WLTC at 10 Hz, where its Table 3.5 has 36 ± 45; mapping them to [−1, 1] comes as near on the
-    /// first 3,000 samples (39 ± 44), but leaves hardly any segment that is pure enough to be a cruise phase.
+    /// The thesis's parameters. It does not say how its variables were scaled; mapping both to [−1, 1] comes nearest to
+    /// the lengths of its Table 3.5. Such segments are seldom pure enough to be cruise phases: see
+    /// [`StatisticalRules::for_models`].
     fn default() -> Self {
         Self {
             accel_deadband_mps2: 0.4,
@@ -156,7 +156,7 @@ impl Default for StatisticalRules {
             },
             cost: Cost::MeanDeviation,
             weights: [1.8, 1.0],
-            scaling: Scaling::PerLog(Scale::ZScore),
+            scaling: Scaling::PerLog(Scale::Range),
             similarity: Some(Similarity::percentile()),
             cruise_min_duration_s: 3.0,
             cruise_min_speed_mps: 30.0 / 3.6,
@@ -192,6 +192,15 @@ impl Segmented {
 }
 
 impl StatisticalRules {
+    /// The same with standardised variables: segments a third as long, from which models learn and cruise phases arise.
+    #[must_use]
+    pub fn for_models() -> Self {
+        Self {
+            scaling: Scaling::PerLog(Scale::ZScore),
+            ..Self::default()
+        }
+    }
+
     /// Segments a drive and classifies the segments.
     ///
     /// # Errors

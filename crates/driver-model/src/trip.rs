@@ -22,7 +22,7 @@ impl Default for PhaseSettings {
     fn default() -> Self {
         Self {
             heuristic: HeuristicRules::default(),
-            statistical: StatisticalRules::default(),
+            statistical: StatisticalRules::for_models(),
             min_duration_s: 3.0,
             min_gain_mps: 10.0 / 3.6,
             slope_bandwidth_m: DEFAULT_SLOPE_BANDWIDTH_M,

@@ -9,7 +9,7 @@ use std::num::NonZero;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use pelt::{Pelt, SegmentCostFunction};
-use tseg::{BottomUp, Cost, Refill, Series, SlidingWindow, Swab, merge_percentile};
+use tseg::{BottomUp, Cost, Refill, Series, Similarity, SlidingWindow, Swab, merge_similar};
 use wltc::{series, wltc};
 
 const THRESHOLD: f64 = 0.2;
@@ -87,5 +87,5 @@ fn percentile_merging(bencher: Bencher<'_, '_>, len: usize) {
         .segment(&series(len));
     bencher
         .counter(ItemsCount::new(len))
-        .bench(|| merge_percentile(&accel, &fine, 0.64).unwrap());
+        .bench(|| merge_similar(&accel, &fine, Similarity::percentile()).unwrap());
 }

@@ -13,8 +13,10 @@
 //! The result is a [`Segmentation`], a partition of `0..n` by construction, which all parts of this crate return or
 //! take:
 //!
+//! - [`Dynamic`] finds the least total cost for a number of segments, [`PenaltyPath`] how many segments pay;
 //! - [`BottomUp`] merges the cheapest pair of neighbours until the cheapest costs more than a threshold;
-//! - [`Swab`] does so in a sliding window, in one pass over the samples;
+//! - [`Swab`] does so in a sliding window, in one pass over the samples, and [`SwabStream`] as they arrive;
+//! - [`SlidingWindow`] grows one segment after the other, without looking back;
 //! - [`runs`] groups neighbours of equal label;
 //! - [`merge_similar`] joins neighbours afterwards where a [`Similarity`] says so, [`Merging`] does it in a stream;
 //! - [`Metrics`] says how long and how pure the segments are.
@@ -74,7 +76,7 @@ pub use cost::Cost;
 pub use dynamic::{Certificate, Dynamic, Optimum, PathPoint, PenaltyPath, Progress};
 pub use error::Error;
 pub use heuristic::runs;
-pub use merge::{Merging, Similarity, merge_percentile, merge_similar};
+pub use merge::{Merging, Similarity, merge_similar};
 pub use metrics::Metrics;
 pub use percentile::percentile_similarity;
 pub use scale::Scale;

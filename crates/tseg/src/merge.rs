@@ -190,19 +190,6 @@ pub fn merge_similar(
     Ok(Segmentation::from_ordered(boundaries))
 }
 
-/// [`merge_similar`] by percentiles.
-///
-/// # Errors
-///
-/// As there.
-pub fn merge_percentile(
-    signal: &[f64],
-    segmentation: &Segmentation,
-    threshold: f64,
-) -> Result<Segmentation, Error> {
-    merge_similar(signal, segmentation, Similarity::Percentile { threshold })
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

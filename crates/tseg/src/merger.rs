@@ -55,7 +55,7 @@ impl Merger {
         let first = range.start;
         let changes = range
             .clone()
-            .filter(|&i| i == first || series.constant_since(i) == i);
+            .filter(|&i| i == first || series.constant_since(i + 1) == i);
         self.start_from(series, changes, range.end);
     }
 

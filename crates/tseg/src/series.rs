@@ -135,10 +135,10 @@ impl Series {
         &self.variables
     }
 
-    /// The first sample from which on every variable keeps its value up to `sample`.
-    pub(crate) fn constant_since(&self, sample: usize) -> usize {
-        let runs = self.variables.iter().map(|v| v.run_len[sample] as usize);
-        (sample + 1).saturating_sub(runs.fold(usize::MAX, usize::min))
+    /// The first sample from which on every variable keeps its value up to the sample before `end`.
+    pub(crate) fn constant_since(&self, end: usize) -> usize {
+        let starts = self.variables.iter().map(|v| v.constant_since(end));
+        starts.max().unwrap_or(0)
     }
 }
 
@@ -268,7 +268,7 @@ mod tests {
     fn joint_runs_end_where_any_variable_changes() {
         let series =
             Series::new(&[(&[1.0, 1.0, 1.0, 2.0], 1.0), (&[0.0, 0.0, 5.0, 5.0], 1.0)]).unwrap();
-        let starts: Vec<_> = (0..4).map(|i| series.constant_since(i)).collect();
+        let starts: Vec<_> = (1..=4).map(|i| series.constant_since(i)).collect();
         assert_eq!(starts, [0, 0, 2, 3]);
     }
 }

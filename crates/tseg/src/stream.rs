@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use crate::error::Error;
 use crate::series::{LARGEST_SUM, STEPS_PER_UNIT, Series};
-use crate::swab::{Progress, Swab};
+use crate::swab::{Swab, SwabState};
 
 /// Samples of emitted segments are dropped together, when they number this and this share of the samples held.
 const SLACK: usize = 64;
@@ -14,11 +14,12 @@ const SLACK_SHARE: usize = 8;
 ///
 /// With a window of `w` samples it holds up to `2w` samples for [`Refill::Keogh`](crate::Refill::Keogh), `w` for
 /// [`Refill::Fixed`](crate::Refill::Fixed), and for [`Refill::Literal`](crate::Refill::Literal) as many as it takes, and
-/// a seventh more or 63 of segments given already. A push takes `O(w (log w + l))` time at most, for segments of `l` samples, and mostly `O(l)`.
+/// a seventh more or 63 of segments given already. A push takes `O(w (log w + l))` time at most, for segments of `l`
+/// samples, and mostly `O(l)`.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct SwabStream {
-    progress: Progress,
+    state: SwabState,
     weights: Vec<f64>,
     /// The samples since the last that was dropped.
     held: Series,
@@ -30,7 +31,7 @@ pub struct SwabStream {
 impl SwabStream {
     pub(crate) fn new(swab: Swab, weights: &[f64]) -> Result<Self, Error> {
         Ok(Self {
-            progress: Progress::new(swab),
+            state: SwabState::new(swab),
             weights: weights.to_vec(),
             held: Series::growing(weights)?,
             dropped: 0,
@@ -59,14 +60,14 @@ impl SwabStream {
                 .filter(|&(_, &weight)| weight > 0.0)
                 .map(|(&x, _)| x),
         );
-        let Some(end) = self.progress.advance(&self.held, self.held.len() - 1) else {
+        let Some(end) = self.state.advance(&self.held, self.held.len() - 1) else {
             return Ok(None);
         };
         let segment = self.start..self.dropped + end;
         self.start = segment.end;
         if end >= SLACK && end >= self.held.len() / SLACK_SHARE {
             self.held.forget(end);
-            self.progress.forget(end);
+            self.state.forget(end);
             self.dropped += end;
         }
         Ok(Some(segment))
@@ -75,13 +76,13 @@ impl SwabStream {
     /// The remaining segments, when no sample follows; none if there never was one.
     pub fn finish(self) -> impl Iterator<Item = Range<usize>> {
         let Self {
-            progress,
+            state,
             held,
             dropped,
             mut start,
             ..
         } = self;
-        let ends: Vec<usize> = progress.finish(&held).collect();
+        let ends: Vec<usize> = state.finish(&held).collect();
         ends.into_iter().map(move |end| {
             let segment = start..dropped + end;
             start = segment.end;

@@ -58,10 +58,10 @@ impl Swab {
 
     /// Segments the series.
     pub fn segment(&self, series: &Series) -> Segmentation {
-        let mut progress = Progress::new(*self);
+        let mut state = SwabState::new(*self);
         let mut boundaries = vec![0];
-        boundaries.extend((0..series.len()).filter_map(|sample| progress.advance(series, sample)));
-        boundaries.extend(progress.finish(series));
+        boundaries.extend((0..series.len()).filter_map(|sample| state.advance(series, sample)));
+        boundaries.extend(state.finish(series));
         Segmentation::from_ordered(boundaries)
     }
 
@@ -77,14 +77,14 @@ impl Swab {
 
 /// SWAB between two samples: a segmented window, and behind it the samples of its next refill.
 #[derive(Debug, Clone)]
-pub(crate) struct Progress {
+pub(crate) struct SwabState {
     swab: Swab,
     pub(crate) window: Window,
     /// Where the sliding-window segment that is growing starts; none grows in the first window.
     growing: Option<usize>,
 }
 
-impl Progress {
+impl SwabState {
     pub(crate) fn new(swab: Swab) -> Self {
         Self {
             swab,

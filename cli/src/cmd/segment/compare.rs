@@ -1,5 +1,6 @@
 //! Table 3.5 of the thesis for any logs.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use anyhow::Context as _;
@@ -64,7 +65,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     };
     let methods = methods(args)?;
     let inputs = inputs::load(&args.logs, context)?;
-    let logs = args.first_samples(&inputs, FIRST_SAMPLES);
+    let logs = args.pieces(&inputs);
     let body = compared(&logs, &methods, context)?;
     let text = text(&body, &methods);
     let config = config(args);
@@ -100,10 +101,7 @@ fn config(args: &SegmentArgs) -> Config<'_> {
 
 /// The methods of the table, and two more.
 fn methods(args: &SegmentArgs) -> anyhow::Result<[(&'static str, Segmenter); 5]> {
-    let swab = StatisticalRules {
-        similarity: None,
-        ..args.method.rules()?
-    };
+    let swab = args.method.unmerged_rules()?;
     let threshold = args.method.threshold.unwrap_or(DEFAULT_THRESHOLD);
     let dynamic = StatisticalRules {
         method: Method::Dynamic {
@@ -126,7 +124,7 @@ fn methods(args: &SegmentArgs) -> anyhow::Result<[(&'static str, Segmenter); 5]>
 
 /// One log after the other: side by side they would slow each other down.
 fn compared<'a>(
-    logs: &'a [DriveLog],
+    logs: &'a [Cow<'_, DriveLog>],
     methods: &[(&'static str, Segmenter)],
     context: &Context,
 ) -> anyhow::Result<Body<'a>> {

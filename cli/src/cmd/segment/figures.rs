@@ -1,5 +1,7 @@
 //! Figures 3.3 to 3.10 of the thesis for one log, as data that the report page draws.
 
+use std::ops::ControlFlow;
+
 use drive_log::DriveLog;
 use driver_model::{Method, Segmenter, Segments, StatisticalRules, dead_banded, most_divided};
 use serde_json::{Value, json};
@@ -17,9 +19,9 @@ pub(super) fn of(log: &DriveLog, args: &SegmentArgs) -> anyhow::Result<Value> {
     let accel_mps2 = log.accel_mps2();
     let banded_mps2 = dead_banded(&accel_mps2, args.method.accel_deadband)?;
     let mut panels = Vec::new();
-    let mut segmentations = Vec::new();
+    let unwatched = |_| ControlFlow::Continue(());
     for (figure, title, segmenter) in panels_of(args)? {
-        let segmented = match segmenter.segment(log, &|_| std::ops::ControlFlow::Continue(())) {
+        let segmented = match segmenter.segment(log, &unwatched) {
             Err(driver_model::Error::Segmentation(tseg::Error::TooManySegments { .. })) => continue,
             segmented => segmented?,
         };
@@ -29,14 +31,12 @@ pub(super) fn of(log: &DriveLog, args: &SegmentArgs) -> anyhow::Result<Value> {
             "boundaries": segmented.segmentation.boundaries(),
             "phases": segmented.phases.iter().map(|phase| phase.kind).collect::<Vec<_>>(),
         }));
-        segmentations.push(segmented);
     }
-    // Figure 3.9: the acceleration, by the first panel, that unmerged SWAB cuts most.
-    let acceleration = segmentations
-        .first()
-        .zip(segmentations.iter().rev().nth(3))
-        .and_then(|(heuristic, swab)| most_divided(&heuristic.phases, &swab.segmentation))
-        .map(|phase| [phase.start, phase.end]);
+    // Figure 3.9: the acceleration of the heuristic that unmerged SWAB cuts most.
+    let heuristic = Segmenter::Heuristic(args.method.heuristic()).segment(log, &unwatched)?;
+    let swab = Segmenter::Statistical(args.method.unmerged_rules()?).segment(log, &unwatched)?;
+    let acceleration =
+        most_divided(&heuristic.phases, &swab.segmentation).map(|phase| [phase.start, phase.end]);
     Ok(json!({
         "log": log.name(),
         "t0_s": log.t0_s(),
@@ -51,10 +51,7 @@ pub(super) fn of(log: &DriveLog, args: &SegmentArgs) -> anyhow::Result<Value> {
 }
 
 fn panels_of(args: &SegmentArgs) -> anyhow::Result<Vec<Panel>> {
-    let rules = StatisticalRules {
-        similarity: None,
-        ..args.method.rules()?
-    };
+    let rules = args.method.unmerged_rules()?;
     let statistical = Segmenter::Statistical;
     let dynamic = |segments| {
         let method = Method::Dynamic {

@@ -44,7 +44,7 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_delimiter = ',', num_args = 1, default_values_t = [1.8, 1.0], value_name = "V,A")]
     pub(super) weights: Vec<f64>,
     /// Scaling of speed and acceleration before segmentation: none; zscore, range or max of each log; or fixed
-    /// divisors in m/s and m/s², such as 10,0.5 [default: zscore; 10,0.5 with --follow]
+    /// divisors in m/s and m/s², such as 18,1.6 [default: range; 18,1.6 with --follow]
     #[arg(long, value_name = "SCALE|V,A")]
     pub(super) scale: Option<ScaleArg>,
     /// Merging of similar neighbours afterwards [default: percentile; none for dynamic]
@@ -151,6 +151,14 @@ impl MethodArgs {
                 None => defaults.similarity,
             },
             ..defaults
+        })
+    }
+
+    /// The same without merging.
+    pub(super) fn unmerged_rules(&self) -> anyhow::Result<StatisticalRules> {
+        Ok(StatisticalRules {
+            similarity: None,
+            ..self.rules()?
         })
     }
 

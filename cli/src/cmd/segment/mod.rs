@@ -7,6 +7,7 @@ mod follow;
 mod names;
 mod output;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         check_file_place(path)?;
     }
     let inputs = inputs::load(&args.logs, context)?;
-    let logs = args.first_samples(&inputs, usize::MAX);
+    let logs = args.pieces(&inputs);
     let progress = Progress::new(context, "segmenting", logs.len());
     let segmented = logs
         .par_iter()
@@ -131,10 +132,13 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
 }
 
 impl SegmentArgs {
-    /// The pieces of all drives, each cut after `--first` or else `default` samples.
-    fn first_samples(&self, inputs: &[Input], default: usize) -> Vec<DriveLog> {
-        let samples = self.first.unwrap_or(default);
+    /// The pieces of all drives, each cut after `--first` samples.
+    fn pieces<'a>(&self, inputs: &'a [Input]) -> Vec<Cow<'a, DriveLog>> {
+        let cut = |log: &'a DriveLog| match self.first {
+            Some(samples) => Cow::Owned(log.first(samples)),
+            None => Cow::Borrowed(log),
+        };
         let pieces = inputs.iter().flat_map(|input| &input.drive.pieces);
-        pieces.map(|log| log.first(samples)).collect()
+        pieces.map(cut).collect()
     }
 }

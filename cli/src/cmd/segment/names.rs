@@ -144,7 +144,7 @@ impl FromStr for ScaleArg {
             Some((divisor(speed)?, divisor(accel)?))
         });
         let (speed_mps, accel_mps2) = divisors.ok_or(
-            "expected none, zscore, range, max, or two positive numbers such as 10,0.5 (m/s and m/s²)",
+            "expected none, zscore, range, max, or two positive numbers such as 18,1.6 (m/s and m/s²)",
         )?;
         Ok(Self(Scaling::Fixed {
             speed_mps,

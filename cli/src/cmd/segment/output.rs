@@ -1,5 +1,6 @@
 //! What plain `segment` prints and draws.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use drive_log::{Channel, DriveLog};
@@ -105,7 +106,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-pub(super) fn plot(logs: &[DriveLog], segmented: &[Segmented]) -> anyhow::Result<String> {
+pub(super) fn plot(logs: &[Cow<'_, DriveLog>], segmented: &[Segmented]) -> anyhow::Result<String> {
     let plots: Vec<SpeedPlot> = logs
         .iter()
         .zip(segmented)
@@ -121,7 +122,11 @@ pub(super) fn plot(logs: &[DriveLog], segmented: &[Segmented]) -> anyhow::Result
     Ok(svg::speed_with_phases(&plots)?)
 }
 
-pub(super) fn text(inputs: &[Input], logs: &[DriveLog], segmented: &[Segmented]) -> String {
+pub(super) fn text(
+    inputs: &[Input],
+    logs: &[Cow<'_, DriveLog>],
+    segmented: &[Segmented],
+) -> String {
     let mut table = Table::new([
         "log",
         "samples",

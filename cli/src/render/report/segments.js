@@ -15,14 +15,10 @@ const PHASES = ['acceleration', 'braking', 'cruise', 'other'];
 function readComparison(source) {
   const doc = object(source);
   return {
-    schema: text(doc.schema),
-    version: text(doc.version),
-    missing: SCHEMA_KEYS.filter((key) => doc[key] === undefined || doc[key] === null),
+    ...readFrame(doc, SCHEMA_KEYS),
     logs: list(doc.logs).map(object),
     mean: object(doc.mean),
     figures: readFigures(doc.figures),
-    inputs: list(doc.inputs).map(object),
-    config: object(doc.config),
   };
 }
 
@@ -290,7 +286,7 @@ function introduce(report) {
     ...methods.map((name) => fact(`${name}, mean length`, fixed(number(of(name).mean_length), 1), 'samples')),
   );
   byId('figures-remark').append(
-    'Speed over time with the boundaries of the segments; neighbouring segments in turns dark and blue, figure 3.3 by phase. Drag over a stretch of time to see it in all figures, double-click to see all again.',
+    'Speed over time with the boundaries of the segments; neighbouring segments in turns in two colours, figure 3.3 by phase. Drag over a stretch of time to see it in all figures, double-click to see all again.',
   );
   byId('legend').append(...PHASES.flatMap((phase) => [swatch(`--${phase}`), `${phase}  `]));
 }

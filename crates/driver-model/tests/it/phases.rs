@@ -42,7 +42,7 @@ fn heuristic_runs_follow_table_3_1() {
 #[test]
 fn statistical_phases_partition_the_drive() {
     let log = log(None);
-    let segmented = StatisticalRules::default().segment(&log).unwrap();
+    let segmented = StatisticalRules::for_models().segment(&log).unwrap();
     let kinds: Vec<_> = segmented.phases.iter().map(|p| p.kind).collect();
     assert!(kinds.contains(&PhaseKind::Acceleration) && kinds.contains(&PhaseKind::Braking));
     assert!(kinds.contains(&PhaseKind::Cruise));

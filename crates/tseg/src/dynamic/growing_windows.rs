@@ -363,7 +363,7 @@ impl<'a> GrowingWindows<'a> {
     }
 }
 
-/// `Σ|x − x̄|` in grid steps, from integers.
+/// `Σ|x − x̄|` in grid steps, from integers; [`deviation`](crate::deviation) rounds the mean, as the reference does.
 fn exact_absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
     let n = (end - start) as i128;
     let total = i128::from(variable.sum(start, end));

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use tseg::{
-    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, SlidingWindow, Stop, Swab,
-    merge_percentile, runs,
+    BottomUp, Cost, Error, Metrics, Refill, Scale, Segmentation, Series, Similarity, SlidingWindow,
+    Stop, Swab, merge_similar, runs,
 };
 
 use crate::rivals;
@@ -140,7 +140,7 @@ proptest! {
     #[test]
     fn merging_adds_no_boundary(data in variables(1..100), threshold in 0.0..1.0_f64) {
         let fine = BottomUp::new(Cost::MeanDeviation, 0.1).unwrap().segment(&series(&data));
-        let coarse = merge_percentile(&data.1, &fine, threshold).unwrap();
+        let coarse = merge_similar(&data.1, &fine, Similarity::Percentile { threshold }).unwrap();
         prop_assert_eq!(coarse.sample_count(), fine.sample_count());
         prop_assert!(coarse.boundaries().iter().all(|b| fine.boundaries().contains(b)));
     }
@@ -261,6 +261,8 @@ fn not_a_number_is_refused_with_its_place() {
     let signal = [1.0, f64::NAN];
     let halves = Segmentation::from_boundaries(vec![0, 1, 2]).unwrap();
     assert!(Series::new(&[(&[0.0, 0.0], 1.0), (&signal, 1.0)]).is_err_and(|e| place(1, 1)(&e)));
-    assert!(merge_percentile(&signal, &halves, 0.5).is_err_and(|e| place(0, 1)(&e)));
+    assert!(
+        merge_similar(&signal, &halves, Similarity::percentile()).is_err_and(|e| place(0, 1)(&e))
+    );
     assert!(Metrics::new(&signal, &halves).is_err_and(|e| place(0, 1)(&e)));
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use tseg::{
-    BottomUp, Cost, Metrics, Refill, Segmentation, Series, Stop, Swab, merge_percentile,
+    BottomUp, Cost, Metrics, Refill, Segmentation, Series, Similarity, Stop, Swab, merge_similar,
     percentile_similarity, runs,
 };
 
@@ -187,7 +187,8 @@ fn percentile_merging() {
     for vector in vectors() {
         let accel = vector.samples("a_seg");
         let fine = Segmentation::from_boundaries(vector.boundaries("swab_keogh")).unwrap();
-        let merged = merge_percentile(&accel, &fine, vector.param("J_pct")).unwrap();
+        let threshold = vector.param("J_pct");
+        let merged = merge_similar(&accel, &fine, Similarity::Percentile { threshold }).unwrap();
         vector.check("merge_pct", &merged);
 
         let pairs = vector.json["pair_J"].as_array().unwrap();

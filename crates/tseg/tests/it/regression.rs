@@ -1,6 +1,6 @@
 //! A small case with results that an independent program found, so that these tests need no other files.
 
-use tseg::{BottomUp, Cost, Metrics, Refill, Series, Swab, merge_percentile};
+use tseg::{BottomUp, Cost, Metrics, Refill, Series, Similarity, Swab, merge_similar};
 
 /// Speed `v = 2 t − t² / 2` from 0 to 2 m/s and back at 10 Hz, and its forward difference, 0 where below 0.4 m/s².
 fn hill() -> (Vec<f64>, Vec<f64>) {
@@ -45,7 +45,7 @@ fn hill_is_segmented_alike() {
         fixed
     );
 
-    let merged = merge_percentile(&accel, &bottom_up, 0.64).unwrap();
+    let merged = merge_similar(&accel, &bottom_up, Similarity::percentile()).unwrap();
     assert_eq!(merged.boundaries(), [0, 10, 16, 24, 34, 40]);
     assert_eq!(
         Metrics::new(&accel, &merged).unwrap().positive_share_pct,
