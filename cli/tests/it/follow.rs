@@ -74,12 +74,12 @@ fn a_segment_is_printed_while_the_drive_goes_on() {
     let text = fs::read_to_string(fixture("drives/drive-01.csv")).unwrap();
     let mut child = following(&["--format", "json"]);
     let mut stdin = child.stdin.take().unwrap();
-    let mut stdout = BufReader::new(child.stdout.take().unwrap());
+    let stdout = BufReader::new(child.stdout.take().unwrap());
     let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let mut line = String::new();
-        stdout.read_line(&mut line).unwrap();
-        sender.send(line).unwrap();
+    let reader = std::thread::spawn(move || {
+        for line in stdout.lines() {
+            sender.send(line.unwrap()).unwrap();
+        }
     });
     let rows: Vec<&str> = text.split_inclusive('\n').collect();
     stdin
@@ -90,6 +90,7 @@ fn a_segment_is_printed_while_the_drive_goes_on() {
     assert_eq!(first["start"], 0);
     drop(stdin);
     assert!(child.wait().unwrap().success());
+    reader.join().unwrap();
 }
 
 #[test]
