@@ -39,12 +39,13 @@ def wltc(samples):
 
 
 def series(speed):
-    """What drivekit makes of the speed: two weighted columns for a squared cost."""
+    """What drivekit makes of the speed, also in that it rounds to multiples of 2^-32: without that, the rounding noise of a
+    constant acceleration is a signal to z-scale."""
     accel = np.diff(speed) / STEP_S
     accel = np.append(accel, accel[-1])
     accel[np.abs(accel) < 0.4] = 0.0
     columns = [(x - x.mean()) / x.std(ddof=1) for x in (speed, accel)]
-    return np.column_stack(columns)
+    return np.round(np.column_stack(columns) * 2.0**32) / 2.0**32
 
 
 class ZScale(rpt.base.BaseCost):
