@@ -16,6 +16,18 @@ const LARGEST: i64 = 1 << 50;
 /// that size and taken away again, it leaves the nearest integer.
 const OFFSET: f64 = 6_755_399_441_055_744.0;
 
+/// `Σ|x − x̄|` in grid steps, from integers alone: the mean is not rounded.
+pub(crate) fn exact_absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
+    let n = (end - start) as i128;
+    let total = i128::from(variable.sum(start, end));
+    let deviation = |&x: &i64| (i128::from(x) * n - total).abs();
+    variable.steps[start..end]
+        .iter()
+        .map(deviation)
+        .sum::<i128>() as f64
+        / n as f64
+}
+
 /// `Σ|x − x̄|` of the samples `start..end`, with the mean rounded to the nearest `f64`, accurate to the last digits.
 ///
 /// With `⌊x̄⌋` the mean rounded down to the grid, `Σ|x − x̄| = Σ|x − ⌊x̄⌋| + (x̄ − ⌊x̄⌋) (#{x ≤ x̄} − #{x > x̄})`, where the

@@ -39,8 +39,9 @@ Examples:
   drivekit segment drive.csv --method heuristic --plot phases.svg
   drivekit segment drive.csv --merge mean --similarity 0.4,0.55
   drivekit segment logs/ --threshold 0.1 --window 150 --format json
-  drivekit segment logs/ --compare --report compare.html       Table 3.5 and the figures of the thesis
-  logger | drivekit segment - --follow --format json           a line per segment as it ends")]
+  drivekit segment drive.csv --method dynamic --segments auto
+  drivekit segment logs/ --compare --report compare.html
+  logger | drivekit segment - --follow --format json")]
 pub(crate) struct SegmentArgs {
     #[command(flatten)]
     #[serde(flatten)]

@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use crate::cost::Cost;
-use crate::dynamic::lanes::{LANES, Lanes, extremes, lanes, larger};
+use crate::deviation::exact_absolute_deviation;
+use crate::dynamic::counts::{Counts, Tables};
+use crate::dynamic::lanes::{LANES, Lanes, extremes, larger};
+use crate::dynamic::rank_set::RankSet;
 use crate::series::{STEPS_PER_UNIT, Variable};
 
 /// A variable with its distinct values.
@@ -29,46 +32,6 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// Numbers of samples and small quotients of them, for any window.
-pub(crate) struct Tables {
-    /// `n`, `1 / n` and `1 / (n (n + 1))`; 0 where the divisor is 0.
-    number: Vec<f64>,
-    inverse: Vec<f64>,
-    pair_inverse: Vec<f64>,
-}
-
-/// The same for the windows of a walk at one start: `n` samples before it is taken in, `n + 1` after.
-struct Counts<'a> {
-    before: &'a [f64; LANES],
-    after: &'a [f64; LANES],
-    /// `1 / (n + 1)` and `1 / (n (n + 1))`.
-    inverse: &'a [f64; LANES],
-    pair_inverse: &'a [f64; LANES],
-}
-
-impl Tables {
-    pub(crate) fn new(len: usize) -> Self {
-        let quotient = |n: f64| if n > 0.0 { 1.0 / n } else { 0.0 };
-        let number: Vec<f64> = (0..=len + LANES).map(|n| n as f64).collect();
-        Self {
-            inverse: number.iter().map(|&n| quotient(n)).collect(),
-            pair_inverse: number.iter().map(|&n| quotient(n * (n + 1.0))).collect(),
-            number,
-        }
-    }
-
-    /// Where the first window has `n` samples, the others one more each.
-    #[inline(always)]
-    fn counts(&self, n: usize) -> Counts<'_> {
-        Counts {
-            before: lanes(&self.number[n..]),
-            after: lanes(&self.number[n + 1..]),
-            inverse: lanes(&self.inverse[n + 1..]),
-            pair_inverse: lanes(&self.pair_inverse[n..]),
-        }
-    }
-}
-
 /// One variable on the windows `[l, r₀ + j)`, where `l` decreases.
 ///
 /// With a pivot `θ`, a sample that is near the means of all windows, `d = x − θ` and `δ_j = x̄_j − θ`,
@@ -81,8 +44,8 @@ pub(crate) struct GrowingWindows<'a> {
     ranked: &'a Ranked<'a>,
     /// `r₀`.
     first_end: usize,
-    /// Which of the distinct values occur, one bit each.
-    present: Vec<u64>,
+    /// Which of the distinct values occur.
+    present: RankSet,
     /// How often each occurs in `[l, r₀)`, with [`EXTRA`] where it occurs from `r₀` on.
     multiplicity: Vec<u32>,
     /// Ranks of the samples `r₀ …`, of which window `j` has the first `j`.
@@ -109,7 +72,7 @@ impl<'a> GrowingWindows<'a> {
         Self {
             ranked,
             first_end: 0,
-            present: vec![0; ranked.values.len().div_ceil(64)],
+            present: RankSet::new(ranked.values.len()),
             multiplicity: vec![0; ranked.values.len()],
             extra: [0; LANES],
             constant_since: [0; LANES],
@@ -127,7 +90,7 @@ impl<'a> GrowingWindows<'a> {
         let ranked = self.ranked;
         for &rank in ranked.ranks[walked].iter().chain(&self.extra) {
             self.multiplicity[rank as usize] = 0;
-            self.present[rank as usize / 64] = 0;
+            self.present.clear_near(rank as usize);
         }
     }
 
@@ -149,7 +112,7 @@ impl<'a> GrowingWindows<'a> {
             let rank = ranked.ranks[sample];
             self.extra[j] = rank;
             self.multiplicity[rank as usize] = EXTRA;
-            self.mark(rank as usize);
+            self.present.insert(rank as usize);
             let d = (ranked.values[rank as usize] - self.pivot) as f64;
             let n = j as f64;
             if j > 0 {
@@ -160,11 +123,6 @@ impl<'a> GrowingWindows<'a> {
             absolute += d.abs();
             balance += sign(d);
         }
-    }
-
-    #[inline(always)]
-    fn mark(&mut self, rank: usize) {
-        self.present[rank / 64] |= 1 << (rank % 64);
     }
 
     /// Adds the variable's part of the costs of the segments that start at `starts`, one row per start.
@@ -223,7 +181,7 @@ impl<'a> GrowingWindows<'a> {
     fn insert(&mut self, l: usize, counts: &Counts<'_>) {
         let rank = self.ranked.ranks[l] as usize;
         self.multiplicity[rank] += 1;
-        self.mark(rank);
+        self.present.insert(rank);
         let d = (self.ranked.variable.steps[l] - self.pivot) as f64;
         let sign = sign(d);
         for j in 0..LANES {
@@ -249,7 +207,7 @@ impl<'a> GrowingWindows<'a> {
         }
         let (least, most) = extremes(&delta);
         let mut rank = self.pivot_rank;
-        while let Some(above) = next_above(&self.present, rank) {
+        while let Some(above) = self.present.next_above(rank) {
             let d = (values[above] - self.pivot) as f64;
             if d >= most {
                 break;
@@ -270,7 +228,7 @@ impl<'a> GrowingWindows<'a> {
             for j in 0..LANES {
                 deviation[j] += twice[j] * larger(d - delta[j], 0.0);
             }
-            below = next_below(&self.present, rank);
+            below = self.present.next_below(rank);
         }
         // The first window has the least squares.
         let farthest = larger(most, -least);
@@ -301,7 +259,7 @@ impl<'a> GrowingWindows<'a> {
     fn follow_mean(&mut self, counts: &Counts<'_>) {
         let values = &self.ranked.values;
         const MIDDLE: usize = LANES / 2;
-        while let Some(above) = next_above(&self.present, self.pivot_rank) {
+        while let Some(above) = self.present.next_above(self.pivot_rank) {
             let step = values[above] - self.pivot;
             if step as f64 > self.sum[MIDDLE] * counts.inverse[MIDDLE] {
                 break;
@@ -314,7 +272,7 @@ impl<'a> GrowingWindows<'a> {
             self.pivot_rank = above;
         }
         while self.sum[MIDDLE] < 0.0 {
-            let Some(below) = next_below(&self.present, self.pivot_rank) else {
+            let Some(below) = self.present.next_below(self.pivot_rank) else {
                 break;
             };
             let step = values[below] - self.pivot;
@@ -363,44 +321,7 @@ impl<'a> GrowingWindows<'a> {
     }
 }
 
-/// `Σ|x − x̄|` in grid steps, from integers; [`deviation`](crate::deviation) rounds the mean, as the reference does.
-fn exact_absolute_deviation(variable: &Variable, start: usize, end: usize) -> f64 {
-    let n = (end - start) as i128;
-    let total = i128::from(variable.sum(start, end));
-    let deviation = |&x: &i64| (i128::from(x) * n - total).abs();
-    variable.steps[start..end]
-        .iter()
-        .map(deviation)
-        .sum::<i128>() as f64
-        / n as f64
-}
-
 #[inline(always)]
 fn sign(d: f64) -> f64 {
     if d <= 0.0 { 1.0 } else { -1.0 }
-}
-
-/// The smallest member above `rank`.
-#[inline(always)]
-fn next_above(present: &[u64], rank: usize) -> Option<usize> {
-    let mut word = rank / 64;
-    // Two shifts, as one by 64 is not defined.
-    let mut bits = present[word] & (u64::MAX << (rank % 64) << 1);
-    while bits == 0 {
-        word += 1;
-        bits = *present.get(word)?;
-    }
-    Some(64 * word + bits.trailing_zeros() as usize)
-}
-
-/// The largest member below `rank`.
-#[inline(always)]
-fn next_below(present: &[u64], rank: usize) -> Option<usize> {
-    let mut word = rank / 64;
-    let mut bits = present[word] & !(u64::MAX << (rank % 64));
-    while bits == 0 {
-        word = word.checked_sub(1)?;
-        bits = present[word];
-    }
-    Some(64 * word + 63 - bits.leading_zeros() as usize)
 }

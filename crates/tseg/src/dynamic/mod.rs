@@ -6,10 +6,12 @@ use crate::segmentation::Segmentation;
 use crate::series::Series;
 
 mod certify;
+mod counts;
 mod growing_windows;
 mod lanes;
 mod path;
 mod penalised;
+mod rank_set;
 mod sparse;
 mod sweep;
 mod table;

@@ -1,7 +1,8 @@
 //! Costs of the segments that end at a few neighbouring samples, for all starts, in a handful of instructions each.
 
 use crate::cost::Cost;
-use crate::dynamic::growing_windows::{GrowingWindows, Ranked, Tables};
+use crate::dynamic::counts::Tables;
+use crate::dynamic::growing_windows::{GrowingWindows, Ranked};
 use crate::dynamic::lanes::Lanes;
 use crate::dynamic::sparse::Cell;
 use crate::series::Series;
