@@ -80,7 +80,7 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
     let document = Document::new("evaluate", args, &inputs, Body::new(&evaluation));
     let figures = serde_json::to_value(&document)?;
     if let Some(path) = &args.report {
-        let page = html::evaluation_page(&with_phases(figures.clone(), &evaluation));
+        let page = html::EVALUATION.filled(&with_phases(figures.clone(), &evaluation));
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 /// What one kind of page adds to the frame that all share.
-struct Page {
+pub(crate) struct Page {
     command: &'static str,
     title: &'static str,
     /// Sections by id and name, those of the frame left out.
@@ -12,7 +12,8 @@ struct Page {
     script: &'static str,
 }
 
-const EVALUATION: Page = Page {
+/// For the schema `drivekit/evaluate/1`: tables, histograms and predicted speed curves.
+pub(crate) const EVALUATION: Page = Page {
     command: "evaluate",
     title: "Driver model evaluation",
     contents: &[
@@ -35,7 +36,8 @@ const EVALUATION: Page = Page {
     ),
 };
 
-const SEGMENTATION: Page = Page {
+/// For the schema `drivekit/segment-compare/1` with its `figures`: Table 3.5 and figures 3.3 to 3.10.
+pub(crate) const SEGMENTATION: Page = Page {
     command: "segment --compare",
     title: "Segmentation methods compared",
     contents: &[("table", "Table 3.5"), ("figures", "Figures 3.3 to 3.10")],
@@ -48,21 +50,11 @@ const SEGMENTATION: Page = Page {
     ),
 };
 
-/// The page for a document of the schema `drivekit/evaluate/1`: tables, histograms and predicted speed curves, drawn by the
-/// page's own script from the document inside it. Keys that the document lacks are named on the page.
-#[must_use]
-pub(crate) fn evaluation_page(document: &Value) -> String {
-    EVALUATION.filled(document)
-}
-
-/// The page for a document of the schema `drivekit/segment-compare/1` with its `figures`: Table 3.5 and figures 3.3 to 3.10.
-#[must_use]
-pub(crate) fn segmentation_page(document: &Value) -> String {
-    SEGMENTATION.filled(document)
-}
-
 impl Page {
-    fn filled(&self, document: &Value) -> String {
+    /// The page for a document, drawn by its own script from the document inside it. Keys that the document lacks are named
+    /// on the page.
+    #[must_use]
+    pub(crate) fn filled(&self, document: &Value) -> String {
         let link = |(id, label): &(&str, &str)| format!("    <a href=\"#{id}\">{label}</a>\n");
         format!(
             include_str!("report/page.html"),
@@ -103,7 +95,7 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [fn(&Value) -> String; 2] = [evaluation_page, segmentation_page];
+    const PAGES: [Page; 2] = [EVALUATION, SEGMENTATION];
 
     /// What a browser takes for the content of the data element.
     fn embedded(page: &str) -> &str {
@@ -115,7 +107,7 @@ mod tests {
     fn hostile_text_stays_data() {
         let trip = "</script><img src=x onerror=alert(1)><!--<script>&amp;\u{2028}\u{2029}\"\\";
         let document = json!({ "phases": [{ "trip": trip }], trip: { "{style}": "{script}" } });
-        for page in PAGES.map(|page| page(&document)) {
+        for page in PAGES.map(|page| page.filled(&document)) {
             assert!(!page.contains("<img"));
             let data = embedded(&page);
             assert!(!data.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
@@ -128,7 +120,7 @@ mod tests {
         let document = json!({ "schema": "drivekit/evaluate/1", "models": { "profile": { "rmse_mps": 0.1 + 0.2, "in_band_pct": null } },
             "phases": [{ "group": "0–50 → 50–100", "measured_mps": [0.0, 1e-300, -3] }] });
         assert_eq!(
-            serde_json::from_str::<Value>(embedded(&evaluation_page(&document))).unwrap(),
+            serde_json::from_str::<Value>(embedded(&EVALUATION.filled(&document))).unwrap(),
             document
         );
     }
@@ -142,7 +134,7 @@ mod tests {
             json!("text"),
             json!({ "models": 3, "phases": { "0": null } }),
         ] {
-            for page in PAGES.map(|page| page(&document)) {
+            for page in PAGES.map(|page| page.filled(&document)) {
                 assert!(
                     page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>")
                 );
@@ -168,8 +160,8 @@ mod tests {
         ];
         let segmentation = ["headline", "table", "figures", "findings", "provenance"];
         for (page, sections) in [
-            (evaluation_page(&json!({})), &evaluation[..]),
-            (segmentation_page(&json!({})), &segmentation),
+            (EVALUATION.filled(&json!({})), &evaluation[..]),
+            (SEGMENTATION.filled(&json!({})), &segmentation),
         ] {
             let place = |id: &&str| {
                 page.find(&format!("id=\"{id}\""))
@@ -182,7 +174,7 @@ mod tests {
 
     #[test]
     fn the_page_reaches_for_nothing_outside() {
-        for page in PAGES.map(|page| page(&json!({}))) {
+        for page in PAGES.map(|page| page.filled(&json!({}))) {
             assert!(page.contains("default-src 'none'"));
             let without_namespace = page.replace("http://www.w3.org/2000/svg", "");
             for external in [

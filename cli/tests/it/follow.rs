@@ -45,14 +45,21 @@ fn lines(text: &str) -> Vec<Value> {
 fn a_followed_drive_has_the_segments_of_the_whole() {
     let drive = fixture("drives/drive-01.csv");
     let text = fs::read_to_string(&drive).unwrap();
-    for more in [
-        &["--scale", "10,0.5"][..],
-        &["--scale", "18,1.6", "--raw", "--refill", "fixed"],
-        &["--scale", "none", "--merge", "none", "--window", "40"],
+    for (scale, more) in [
+        (&[][..], &[][..]),
+        (&["--scale", "10,0.5"], &["--raw", "--refill", "fixed"]),
+        (&["--scale", "none"], &["--merge", "none", "--window", "40"]),
     ] {
-        let json = [more, &["--format", "json"]].concat();
-        let followed = lines(&follow(&text, &json).ok().stdout);
-        let whole = drivekit(&[&["segment", &drive], &json[..]].concat())
+        let more = [more, &["--format", "json"]].concat();
+        let followed = follow(&text, &[scale, &more].concat()).ok().stdout;
+        let followed = lines(&followed);
+        // What --help says of the default.
+        let scale = if scale.is_empty() {
+            &["--scale", "18,1.6"]
+        } else {
+            scale
+        };
+        let whole = drivekit(&[&["segment", &drive], scale, &more].concat())
             .ok()
             .json();
         let whole = whole["logs"][0]["segments"].as_array().unwrap();

@@ -141,6 +141,7 @@ fn methods_are_compared_in_a_table_and_on_a_page() {
         .ok()
         .json();
     assert_eq!(document["schema"], "drivekit/segment-compare/1");
+    assert_eq!(document["config"]["scale"], "range");
     for log in document["logs"].as_array().unwrap() {
         assert_eq!(log["samples"], 1000);
         for method in [

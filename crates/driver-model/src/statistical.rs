@@ -192,7 +192,7 @@ impl Segmented {
 }
 
 impl StatisticalRules {
-    /// The same with standardised variables: segments a third as long, from which models learn and cruise phases arise.
+    /// The same with standardised variables: shorter segments, from which models learn and cruise phases arise.
     #[must_use]
     pub fn for_models() -> Self {
         Self {

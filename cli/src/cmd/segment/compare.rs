@@ -73,7 +73,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     if let (Some(path), Some(log)) = (&args.report, logs.first()) {
         let mut report = serde_json::to_value(&document)?;
         report["figures"] = figures::of(log, args)?;
-        let page = html::segmentation_page(&report);
+        let page = html::SEGMENTATION.filled(&report);
         write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         note(context, &format!("report written to {}", path.display()));
     }

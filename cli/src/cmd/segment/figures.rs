@@ -3,7 +3,9 @@
 use std::ops::ControlFlow;
 
 use drive_log::DriveLog;
-use driver_model::{Method, Segmenter, Segments, StatisticalRules, dead_banded, most_divided};
+use driver_model::{
+    Method, Segmented, Segmenter, Segments, StatisticalRules, dead_banded, most_divided,
+};
 use serde_json::{Value, json};
 use tseg::{Cost, Similarity, Stop};
 
@@ -12,6 +14,9 @@ use super::SegmentArgs;
 /// Thresholds of the figures and of Table 3.5; the thesis has both.
 const FIGURE_THRESHOLD: f64 = 0.4;
 
+/// The figure whose first panel is SWAB before merging.
+const UNMERGED: &str = "3.10";
+
 /// One panel: figure, title, and how its segments come about.
 type Panel = (&'static str, String, Segmenter);
 
@@ -19,24 +24,26 @@ pub(super) fn of(log: &DriveLog, args: &SegmentArgs) -> anyhow::Result<Value> {
     let accel_mps2 = log.accel_mps2();
     let banded_mps2 = dead_banded(&accel_mps2, args.method.accel_deadband)?;
     let mut panels = Vec::new();
-    let unwatched = |_| ControlFlow::Continue(());
     for (figure, title, segmenter) in panels_of(args)? {
-        let segmented = match segmenter.segment(log, &unwatched) {
-            Err(driver_model::Error::Segmentation(tseg::Error::TooManySegments { .. })) => continue,
-            segmented => segmented?,
-        };
-        panels.push(json!({
+        match segmenter.segment(log, &|_| ControlFlow::Continue(())) {
+            Err(driver_model::Error::Segmentation(tseg::Error::TooManySegments { .. })) => {}
+            segmented => panels.push((figure, title, segmented?)),
+        }
+    }
+    let first = |figure| panels.iter().find(|panel| panel.0 == figure);
+    // Figure 3.9: the acceleration of the heuristic that unmerged SWAB cuts most.
+    let acceleration = first("3.3")
+        .zip(first(UNMERGED))
+        .and_then(|(heuristic, swab)| most_divided(&heuristic.2.phases, &swab.2.segmentation))
+        .map(|phase| [phase.start, phase.end]);
+    let panel = |(figure, title, segmented): &(&str, String, Segmented)| {
+        json!({
             "figure": figure,
             "title": title,
             "boundaries": segmented.segmentation.boundaries(),
             "phases": segmented.phases.iter().map(|phase| phase.kind).collect::<Vec<_>>(),
-        }));
-    }
-    // Figure 3.9: the acceleration of the heuristic that unmerged SWAB cuts most.
-    let heuristic = Segmenter::Heuristic(args.method.heuristic()).segment(log, &unwatched)?;
-    let swab = Segmenter::Statistical(args.method.unmerged_rules()?).segment(log, &unwatched)?;
-    let acceleration =
-        most_divided(&heuristic.phases, &swab.segmentation).map(|phase| [phase.start, phase.end]);
+        })
+    };
     Ok(json!({
         "log": log.name(),
         "t0_s": log.t0_s(),
@@ -46,7 +53,7 @@ pub(super) fn of(log: &DriveLog, args: &SegmentArgs) -> anyhow::Result<Value> {
         "banded_mps2": rounded(&banded_mps2),
         "accel_deadband_mps2": args.method.accel_deadband,
         "acceleration": acceleration,
-        "panels": panels,
+        "panels": panels.iter().map(panel).collect::<Vec<_>>(),
     }))
 }
 
@@ -105,7 +112,7 @@ fn panels_of(args: &SegmentArgs) -> anyhow::Result<Vec<Panel>> {
         ("3.6", k40.0, k40.1),
         ("3.7", bottom_up_title, at_threshold(bottom_up)),
         ("3.8", swab_title, at_threshold(swab(FIGURE_THRESHOLD))),
-        ("3.10", "Not merged".to_owned(), merged(None)),
+        (UNMERGED, "Not merged".to_owned(), merged(None)),
         (
             "3.10",
             "Mean comparison".to_owned(),

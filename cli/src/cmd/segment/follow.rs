@@ -31,20 +31,10 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         reading.smooth
     };
     let stream = PhaseStream::new(&method.rules()?, reading.step, smoothing)?;
-    if let (
-        None,
-        Scaling::Fixed {
-            speed_mps,
-            accel_mps2,
-        },
-    ) = (args.method.scale, Scaling::WLTC)
-    {
+    if args.method.scale.is_none() {
         note(
             context,
-            &format!(
-                "speed and acceleration are divided by {speed_mps} m/s and {accel_mps2} m/s², half their ranges in the \
-                 WLTC; --scale V,A sets others"
-            ),
+            "speed and acceleration are divided by half their ranges in the WLTC; --scale V,A sets others",
         );
     }
     follow(std::io::stdin().lock(), &stream, args, context.format)?;

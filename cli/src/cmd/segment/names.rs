@@ -169,51 +169,56 @@ impl Serialize for ScaleArg {
 }
 
 impl MergeName {
-    pub(super) fn default_similarity(self) -> Option<Vec<f64>> {
+    /// With the thesis's thresholds.
+    fn by_default(self) -> Option<Similarity> {
         match self {
             Self::None => None,
-            Self::Mean | Self::MeanLiteral => Some(vec![0.4, 0.55]),
-            Self::Association => Some(vec![0.005]),
-            Self::Percentile => Some(vec![0.64]),
+            Self::Mean => Some(Similarity::mean()),
+            Self::MeanLiteral => Some(Similarity::mean_literal()),
+            Self::Association => Some(Similarity::association()),
+            Self::Percentile => Some(Similarity::percentile()),
         }
     }
 
-    pub(super) fn similarity(self, given: Option<&[f64]>) -> anyhow::Result<Option<Similarity>> {
-        let means = || {
-            pair(
-                "--similarity",
-                "for the means, such as 0.4,0.55",
-                given.unwrap_or_default(),
-            )
-        };
-        let threshold = || match given {
-            Some(&[threshold]) => Ok(threshold),
-            _ => bail!("--similarity takes one number for this --merge, such as 0.64"),
-        };
-        Ok(match self {
-            Self::None => None,
-            Self::Mean => {
-                let [magnitude, difference] = means()?;
-                Some(Similarity::Mean {
-                    magnitude,
-                    difference,
-                })
+    /// The default of `--similarity`.
+    pub(super) fn default_similarity(self) -> Option<Vec<f64>> {
+        use Similarity::{Association, Mean, MeanLiteral, Percentile};
+        Some(match self.by_default()? {
+            Mean {
+                magnitude,
+                difference,
             }
-            Self::MeanLiteral => {
-                let [magnitude, difference] = means()?;
-                Some(Similarity::MeanLiteral {
-                    magnitude,
-                    difference,
-                })
-            }
-            Self::Association => Some(Similarity::Association {
-                l: 2.0,
-                threshold: threshold()?,
-            }),
-            Self::Percentile => Some(Similarity::Percentile {
-                threshold: threshold()?,
-            }),
+            | MeanLiteral {
+                magnitude,
+                difference,
+            } => vec![magnitude, difference],
+            Association { threshold, .. } | Percentile { threshold } => vec![threshold],
         })
+    }
+
+    pub(super) fn similarity(self, given: Option<&[f64]>) -> anyhow::Result<Option<Similarity>> {
+        use Similarity::{Association, Mean, MeanLiteral, Percentile};
+        let mut similarity = self.by_default();
+        if let (Some(similarity), Some(values)) = (&mut similarity, given) {
+            match similarity {
+                Mean {
+                    magnitude,
+                    difference,
+                }
+                | MeanLiteral {
+                    magnitude,
+                    difference,
+                } => {
+                    let what = "for the means, such as 0.4,0.55";
+                    [*magnitude, *difference] = pair("--similarity", what, values)?;
+                }
+                Association { threshold, .. } | Percentile { threshold } => match values {
+                    [value] => *threshold = *value,
+                    _ => bail!("--similarity takes one number for this --merge, such as 0.64"),
+                },
+            }
+        }
+        Ok(similarity)
     }
 }
 

@@ -1,9 +1,12 @@
 //! Both routes to phases, and the leader's influence.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use drive_log::{Channel, DriveLog};
-use driver_model::{HeuristicRules, PhaseKind, StatisticalRules, dead_banded, lead_influenced};
+use drive_log::{Channel, DriveLog, LayoutChoice, Preparation};
+use driver_model::{
+    HeuristicRules, PhaseKind, Scaling, StatisticalRules, dead_banded, lead_influenced,
+};
 
 /// 5 s standing, 10 s at 1 m/s², 20 s holding, 5 s at −2 m/s².
 fn log(lead_gap_m: Option<f64>) -> DriveLog {
@@ -49,6 +52,28 @@ fn statistical_phases_partition_the_drive() {
     assert_eq!(segmented.phases.first().unwrap().start, 0);
     assert_eq!(segmented.phases.last().unwrap().end, log.len());
     assert!(segmented.phases.windows(2).all(|w| w[0].end == w[1].start));
+}
+
+#[test]
+fn the_scale_of_streams_is_half_the_ranges_of_the_wltc() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cycles/wltc-3b.csv");
+    let raw = drive_log::read_file(&path, &LayoutChoice::Auto).unwrap();
+    let cycle = raw.logs.into_iter().next().unwrap();
+    let drive = drive_log::prepare(cycle, &Preparation::default()).unwrap();
+    let log = &drive.pieces[0];
+    let half_range = |values: &[f64]| {
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        (most - least) / 2.0
+    };
+    let banded = dead_banded(&log.accel_mps2(), 0.4).unwrap();
+    assert_eq!(
+        Scaling::WLTC,
+        Scaling::Fixed {
+            speed_mps: half_range(log.speed_mps()).round(),
+            accel_mps2: (half_range(&banded) * 10.0).round() / 10.0,
+        }
+    );
 }
 
 #[test]
