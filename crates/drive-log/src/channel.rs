@@ -15,6 +15,8 @@ pub enum Channel {
     Accel,
     /// Speed limit of the road, m/s.
     SpeedLimit,
+    /// What an accelerometer along the car feels, m/s²: `dv/dt + g sin θ` on a road of slope `θ`.
+    Accelerometer,
     /// Slope of the road, rad, positive uphill.
     Slope,
     /// Elevation above sea level, m.
@@ -35,14 +37,19 @@ pub enum Channel {
     AuxPower,
     /// Electric power of the heater, W.
     HeatingPower,
+    /// Electric power that the climate control asks of the heater, W.
+    HeatingRequest,
+    /// Temperature of the air outside, °C.
+    AmbientTemperature,
 }
 
 impl Channel {
     /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
-    pub const ALL: [Channel; 13] = [
+    pub const ALL: [Channel; 16] = [
         Channel::Speed,
         Channel::Accel,
         Channel::SpeedLimit,
+        Channel::Accelerometer,
         Channel::Slope,
         Channel::Elevation,
         Channel::LeadGap,
@@ -53,6 +60,8 @@ impl Channel {
         Channel::MotorTorque,
         Channel::AuxPower,
         Channel::HeatingPower,
+        Channel::HeatingRequest,
+        Channel::AmbientTemperature,
     ];
 
     /// The canonical header: what the channel is and its unit, `speed_mps`.
@@ -62,6 +71,7 @@ impl Channel {
             Channel::Speed => "speed_mps",
             Channel::Accel => "accel_mps2",
             Channel::SpeedLimit => "speed_limit_mps",
+            Channel::Accelerometer => "accelerometer_mps2",
             Channel::Slope => "grade_rad",
             Channel::Elevation => "elevation_m",
             Channel::LeadGap => "lead_gap_m",
@@ -72,6 +82,8 @@ impl Channel {
             Channel::MotorTorque => "motor_torque_nm",
             Channel::AuxPower => "aux_power_w",
             Channel::HeatingPower => "heating_power_w",
+            Channel::HeatingRequest => "heating_request_w",
+            Channel::AmbientTemperature => "ambient_temperature_degc",
         }
     }
 
@@ -88,14 +100,15 @@ impl Channel {
     pub(crate) fn quantity(self) -> Quantity {
         match self {
             Channel::Speed | Channel::SpeedLimit | Channel::LeadSpeed => Quantity::Speed,
-            Channel::Accel => Quantity::Acceleration,
+            Channel::Accel | Channel::Accelerometer => Quantity::Acceleration,
             Channel::Slope => Quantity::Slope,
             Channel::Elevation | Channel::LeadGap => Quantity::Length,
             Channel::BatteryVoltage => Quantity::Voltage,
             Channel::BatteryCurrent => Quantity::Current,
             Channel::StateOfCharge => Quantity::Share,
             Channel::MotorTorque => Quantity::Torque,
-            Channel::AuxPower | Channel::HeatingPower => Quantity::Power,
+            Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => Quantity::Power,
+            Channel::AmbientTemperature => Quantity::Temperature,
         }
     }
 }

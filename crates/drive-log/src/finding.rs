@@ -89,6 +89,8 @@ pub enum FindingKind {
     AltitudeOutlier,
     /// A value that is constant for most of the drive where it cannot be.
     Pinned,
+    /// More power than the battery delivers.
+    Contradicted,
     /// Discharge recorded as negative current.
     CurrentSign,
     /// Too short to be a drive.
@@ -116,6 +118,8 @@ pub enum Action {
     Dropped,
     /// The sign was flipped.
     SignFlipped,
+    /// Another channel was taken in its place.
+    Replaced,
 }
 
 impl fmt::Display for FindingKind {
@@ -135,6 +139,7 @@ impl fmt::Display for FindingKind {
             FindingKind::Sentinel => "sentinel",
             FindingKind::AltitudeOutlier => "altitude outlier",
             FindingKind::Pinned => "pinned",
+            FindingKind::Contradicted => "contradicted",
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
@@ -153,6 +158,7 @@ impl fmt::Display for Action {
             Action::Sorted => "sorted",
             Action::Dropped => "dropped",
             Action::SignFlipped => "sign flipped",
+            Action::Replaced => "replaced",
         })
     }
 }

@@ -119,7 +119,7 @@ impl DriveLog {
 
     /// Acceleration, m/s²: the forward difference of the speed (thesis eq. 3.21).
     ///
-    /// What an accelerometer recorded stays available as [`Channel::Accel`].
+    /// An acceleration that was recorded stays available as [`Channel::Accel`].
     #[must_use]
     pub fn accel_mps2(&self) -> Vec<f64> {
         forward_difference(self.speed_mps(), self.step_s)

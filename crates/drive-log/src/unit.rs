@@ -15,6 +15,7 @@ pub(crate) enum Quantity {
     Share,
     Torque,
     Power,
+    Temperature,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,8 @@ enum Conversion {
     Ratio(f64, f64),
     /// `atan(x / denominator)`: a gradient, rise over run.
     Gradient(f64),
+    /// `(x − offset) · numerator / denominator`.
+    Offset(f64, f64, f64),
 }
 
 /// A unit of one quantity.
@@ -60,10 +63,25 @@ const fn gradient(suffix: &'static str, symbol: &'static str, denominator: f64) 
     }
 }
 
-/// The first unit of each quantity is its SI unit. A mile is 1609.344 m and a foot 0.3048 m
+const fn temperature(
+    suffix: &'static str,
+    symbol: &'static str,
+    offset: f64,
+    numerator: f64,
+    denominator: f64,
+) -> Unit {
+    Unit {
+        quantity: Quantity::Temperature,
+        suffix,
+        symbol,
+        conversion: Conversion::Offset(offset, numerator, denominator),
+    }
+}
+
+/// The first unit of each quantity is its SI unit, degrees Celsius for temperatures. A mile is 1609.344 m and a foot 0.3048 m
 /// (international yard and pound agreement, 1959); standard gravity is 9.80665 m/s² (3rd CGPM,
 /// 1901).
-const UNITS: [Unit; 25] = [
+const UNITS: [Unit; 28] = [
     Unit::SECOND,
     ratio(Quantity::Time, "ms", "ms", 1.0, 1e3),
     ratio(Quantity::Time, "us", "us", 1.0, 1e6),
@@ -89,6 +107,9 @@ const UNITS: [Unit; 25] = [
     ratio(Quantity::Torque, "nm", "Nm", 1.0, 1.0),
     ratio(Quantity::Power, "w", "W", 1.0, 1.0),
     ratio(Quantity::Power, "kw", "kW", 1e3, 1.0),
+    temperature("degc", "°C", 0.0, 1.0, 1.0),
+    temperature("k", "K", 273.15, 1.0, 1.0),
+    temperature("degf", "°F", 32.0, 5.0, 9.0),
 ];
 
 impl Unit {
@@ -134,6 +155,9 @@ impl Unit {
             let si = match self.conversion {
                 Conversion::Ratio(numerator, denominator) => *value * numerator / denominator,
                 Conversion::Gradient(denominator) => (*value / denominator).atan(),
+                Conversion::Offset(offset, numerator, denominator) => {
+                    (*value - offset) * numerator / denominator
+                }
             };
             *value = if value.is_finite() && si.is_finite() {
                 sign * si
@@ -171,6 +195,8 @@ mod tests {
         assert_eq!(si(Quantity::Slope, "%", 100.0), std::f64::consts::FRAC_PI_4);
         assert_eq!(si(Quantity::Share, "1", 0.5), 50.0);
         assert_eq!(si(Quantity::Time, "ms", 100.0), 0.1);
+        assert_eq!(si(Quantity::Temperature, "°F", 212.0), 100.0);
+        assert_eq!(si(Quantity::Temperature, "K", 273.15), 0.0);
     }
 
     #[test]

@@ -32,7 +32,7 @@ fn trip_with_slope(bencher: Bencher, name: &str) {
         step_s: STEP_S,
         speed_mps: &speed_mps,
         slope_rad: Some(&slope_rad),
-        aux_power_w: None,
+        ..Trip::default()
     };
     bencher
         .counter(ItemsCount::new(SAMPLES))
@@ -47,7 +47,7 @@ fn trip_on_the_level(bencher: Bencher) {
         step_s: STEP_S,
         speed_mps: &speed_mps,
         slope_rad: None,
-        aux_power_w: None,
+        ..Trip::default()
     };
     bencher
         .counter(ItemsCount::new(SAMPLES))

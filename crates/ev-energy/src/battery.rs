@@ -2,25 +2,56 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::Checker;
 use crate::error::Error;
+use crate::scalar::{larger, smaller};
 
 /// Battery section of a vehicle file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BatterySpec {
-    /// Open-circuit voltage `U0`, V.
+    /// Open-circuit voltage `U0`, V: of every trip without a state of charge, or without a curve.
     pub open_circuit_voltage_v: f64,
     /// Internal resistance `R`, Ω.
     pub resistance_ohm: f64,
     /// Energy into the cells per energy from the wall, 1.
     pub charging_efficiency: f64,
+    /// Charge between empty and full, A h; with it the state of charge is tracked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capacity_ah: Option<f64>,
+    /// `U0` over the state of charge; needs the capacity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub open_circuit_voltage_curve: Option<VoltageCurveSpec>,
+}
+
+/// Open-circuit voltage over the state of charge, linear between its points and constant beyond.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VoltageCurveSpec {
+    /// States of charge, strictly increasing, 0 to 100, %.
+    pub soc_pct: Vec<f64>,
+    /// Voltages at these, never decreasing, V.
+    pub voltage_v: Vec<f64>,
 }
 
 /// Battery as a voltage source behind a resistance (thesis figure 2.3).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Battery {
-    open_circuit_voltage_v: f64,
+    nominal: Cells,
     resistance_ohm: f64,
+    charge: Option<Charge>,
+}
+
+/// The cells at one state of charge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cells {
+    voltage_v: f64,
     max_power_w: f64,
+}
+
+/// What tracks the state of charge.
+#[derive(Debug, Clone, PartialEq)]
+struct Charge {
+    capacity_ah: f64,
+    curve: Option<VoltageCurveSpec>,
 }
 
 /// What a battery does under an electric power demand. Discharging is positive.
@@ -54,18 +85,33 @@ impl Battery {
             0.1,
             1.0,
         )?;
+        if let Some(curve) = &spec.open_circuit_voltage_curve {
+            curve.check(check)?;
+        }
+        let charge = match (spec.capacity_ah, &spec.open_circuit_voltage_curve) {
+            (Some(capacity_ah), curve) => Some(Charge {
+                capacity_ah: check.range("battery.capacity_ah", capacity_ah, 0.1, 1e5)?,
+                curve: curve.clone(),
+            }),
+            (None, None) => None,
+            (None, Some(_)) => {
+                return Err(check.problem(
+                    "battery.capacity_ah",
+                    "is missing; a voltage curve needs it to follow the state of charge",
+                ));
+            }
+        };
         Ok(Self {
-            open_circuit_voltage_v: voltage_v,
+            nominal: Cells::new(voltage_v, resistance_ohm),
             resistance_ohm,
-            // Infinite without resistance: such a battery is never limited.
-            max_power_w: voltage_v * voltage_v / (4.0 * resistance_ohm),
+            charge,
         })
     }
 
     /// Largest power the battery can give at its terminals, `U0²/4R`, in W.
     #[must_use]
     pub fn max_power_w(&self) -> f64 {
-        self.max_power_w
+        self.nominal.max_power_w
     }
 
     /// Current and power for a demand at the terminals in W, negative when charging.
@@ -75,17 +121,92 @@ impl Battery {
     #[must_use]
     #[inline]
     pub fn draw(&self, electric_power_w: f64) -> BatteryDraw {
-        let voltage_v = self.open_circuit_voltage_v;
-        let terminal_power_w = electric_power_w.min(self.max_power_w);
+        self.draw_from(&self.nominal, electric_power_w)
+    }
+
+    #[inline(always)]
+    pub(crate) fn draw_from(&self, cells: &Cells, electric_power_w: f64) -> BatteryDraw {
+        let voltage_v = cells.voltage_v;
+        let terminal_power_w = smaller(electric_power_w, cells.max_power_w);
         let discriminant = voltage_v * voltage_v - 4.0 * self.resistance_ohm * terminal_power_w;
-        let current_a = terminal_power_w / (0.5 * (voltage_v + discriminant.max(0.0).sqrt()));
+        let current_a = terminal_power_w / (0.5 * (voltage_v + larger(discriminant, 0.0).sqrt()));
         BatteryDraw {
             current_a,
             power_w: current_a * voltage_v,
             terminal_power_w,
             loss_w: current_a * current_a * self.resistance_ohm,
-            limited: electric_power_w > self.max_power_w,
+            limited: electric_power_w > cells.max_power_w,
         }
+    }
+
+    /// The cells at a state of charge in %; of the nominal voltage where it is not known or there is no curve.
+    pub(crate) fn cells(&self, soc_pct: Option<f64>) -> Cells {
+        let curve = self.charge.as_ref().and_then(|c| c.curve.as_ref());
+        match (curve, soc_pct) {
+            (Some(curve), Some(soc_pct)) => {
+                Cells::new(curve.voltage_v(soc_pct), self.resistance_ohm)
+            }
+            _ => self.nominal,
+        }
+    }
+
+    /// Whether the voltage depends on the state of charge.
+    pub(crate) fn has_curve(&self) -> bool {
+        self.charge.as_ref().is_some_and(|c| c.curve.is_some())
+    }
+
+    /// The state of charge in % after giving a charge in A s, within 0 to 100; `None` without a capacity.
+    pub(crate) fn discharged_pct(&self, soc_pct: f64, charge_as: f64) -> Option<f64> {
+        let capacity_as = 3600.0 * self.charge.as_ref()?.capacity_ah;
+        Some((soc_pct - 100.0 * charge_as / capacity_as).clamp(0.0, 100.0))
+    }
+}
+
+impl Cells {
+    fn new(voltage_v: f64, resistance_ohm: f64) -> Self {
+        Self {
+            voltage_v,
+            // Infinite without resistance: such a battery is never limited.
+            max_power_w: voltage_v * voltage_v / (4.0 * resistance_ohm),
+        }
+    }
+}
+
+impl VoltageCurveSpec {
+    const SOC_KEY: &str = "battery.open_circuit_voltage_curve.soc_pct";
+    const VOLTAGE_KEY: &str = "battery.open_circuit_voltage_curve.voltage_v";
+
+    fn check(&self, check: &Checker) -> Result<(), Error> {
+        if self.soc_pct.len() < 2 || self.soc_pct.len() != self.voltage_v.len() {
+            let problem = format!(
+                "has {} points and `voltage_v` has {}; give two or more, and as many of each",
+                self.soc_pct.len(),
+                self.voltage_v.len()
+            );
+            return Err(check.problem(Self::SOC_KEY, &problem));
+        }
+        for (&soc_pct, &voltage_v) in self.soc_pct.iter().zip(&self.voltage_v) {
+            check.range(Self::SOC_KEY, soc_pct, 0.0, 100.0)?;
+            check.range(Self::VOLTAGE_KEY, voltage_v, 1.0, 1e4)?;
+        }
+        if !self.soc_pct.is_sorted_by(|a, b| a < b) {
+            return Err(check.problem(Self::SOC_KEY, "must increase from point to point"));
+        }
+        if !self.voltage_v.is_sorted() {
+            return Err(check.problem(Self::VOLTAGE_KEY, "must not fall from point to point"));
+        }
+        Ok(())
+    }
+
+    fn voltage_v(&self, soc_pct: f64) -> f64 {
+        let last = self.soc_pct.len() - 1;
+        let end = self
+            .soc_pct
+            .partition_point(|soc| *soc <= soc_pct)
+            .clamp(1, last);
+        let (soc, voltage) = (&self.soc_pct[end - 1..=end], &self.voltage_v[end - 1..=end]);
+        let share = ((soc_pct - soc[0]) / (soc[1] - soc[0])).clamp(0.0, 1.0);
+        voltage[0] + share * (voltage[1] - voltage[0])
     }
 }
 
@@ -104,6 +225,8 @@ mod tests {
             open_circuit_voltage_v: 300.0,
             resistance_ohm,
             charging_efficiency: 0.9,
+            capacity_ah: None,
+            open_circuit_voltage_curve: None,
         };
         Battery::new(&spec, &Checker { origin: "test" }).unwrap()
     }
@@ -129,5 +252,53 @@ mod tests {
         assert!(!at.limited && beyond.limited);
         assert_eq!(at.power_w, beyond.power_w);
         assert!((at.loss_w - 225e3).abs() < 1e-6);
+    }
+
+    fn with_curve(soc_pct: &[f64], voltage_v: &[f64]) -> Result<Battery, Error> {
+        let spec = BatterySpec {
+            open_circuit_voltage_v: 300.0,
+            resistance_ohm: 0.1,
+            charging_efficiency: 0.9,
+            capacity_ah: Some(50.0),
+            open_circuit_voltage_curve: Some(VoltageCurveSpec {
+                soc_pct: soc_pct.to_vec(),
+                voltage_v: voltage_v.to_vec(),
+            }),
+        };
+        Battery::new(&spec, &Checker { origin: "test" })
+    }
+
+    #[test]
+    fn voltage_follows_the_curve_and_stays_at_its_ends() {
+        let battery = with_curve(&[10.0, 50.0, 90.0], &[300.0, 340.0, 360.0]).unwrap();
+        let voltage = |soc| battery.cells(Some(soc)).voltage_v;
+        assert_eq!(
+            [0.0, 10.0, 30.0, 50.0, 70.0, 90.0, 100.0].map(voltage),
+            [300.0, 300.0, 320.0, 340.0, 350.0, 360.0, 360.0]
+        );
+        assert_eq!(battery.cells(None).voltage_v, 300.0);
+    }
+
+    #[test]
+    fn charge_is_counted_and_bounded() {
+        let battery = with_curve(&[0.0, 100.0], &[300.0, 400.0]).unwrap();
+        assert_eq!(battery.discharged_pct(50.0, 50.0 * 360.0), Some(40.0));
+        assert_eq!(battery.discharged_pct(0.5, 1e6), Some(0.0));
+        assert_eq!(battery.discharged_pct(99.0, -1e6), Some(100.0));
+    }
+
+    #[test]
+    fn bad_curves_name_their_key() {
+        for (soc, voltage, key) in [
+            (&[0.0][..], &[300.0][..], "soc_pct"),
+            (&[0.0, 100.0], &[300.0], "soc_pct"),
+            (&[50.0, 50.0], &[300.0, 310.0], "soc_pct"),
+            (&[0.0, 120.0], &[300.0, 310.0], "soc_pct"),
+            (&[0.0, 100.0], &[310.0, 300.0], "voltage_v"),
+            (&[0.0, 100.0], &[310.0, f64::NAN], "voltage_v"),
+        ] {
+            let error = with_curve(soc, voltage).unwrap_err().to_string();
+            assert!(error.contains(key), "{error}");
+        }
     }
 }

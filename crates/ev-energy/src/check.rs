@@ -26,4 +26,13 @@ impl Checker<'_> {
             })
         }
     }
+
+    /// An error about a key, in words that continue "`key`".
+    pub(crate) fn problem(&self, key: &str, problem: &str) -> Error {
+        Error::Inconsistent {
+            origin: self.origin.to_owned(),
+            key: key.to_owned(),
+            problem: problem.to_owned(),
+        }
+    }
 }

@@ -41,6 +41,32 @@ pub enum Error {
         /// Largest allowed value.
         max: f64,
     },
+    /// Vehicle parameters that do not fit together.
+    #[error("{origin}: `{key}` {problem}")]
+    Inconsistent {
+        /// File, or name of the vehicle where there is no file.
+        origin: String,
+        /// Dotted key, as in the vehicle file.
+        key: String,
+        /// What is wrong, and what is allowed.
+        problem: String,
+    },
+    /// A loss table is no table.
+    #[error("{file}, line {line}: {problem}")]
+    LossTable {
+        /// Path of the table.
+        file: String,
+        /// Line, 1-based.
+        line: usize,
+        /// What is wrong, and what is expected.
+        problem: String,
+    },
+    /// Trips from which no parameter can be told.
+    #[error("calibration: {problem}")]
+    Calibration {
+        /// What is wrong, and what is needed.
+        problem: String,
+    },
     /// `[sources]` documents a key that the vehicle does not have.
     #[error(
         "{origin}: `[sources]` names `{key}`, which is no key of the vehicle; use dotted keys such as `battery.resistance_ohm`"

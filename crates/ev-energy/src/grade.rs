@@ -1,3 +1,4 @@
+use crate::GRAVITY_MPS2;
 use crate::error::Error;
 
 /// Bandwidth that suits elevations from satellite navigation and from terrain models, m.
@@ -13,6 +14,23 @@ const DISTANCE_LIMIT_M: f64 = 1e9;
 /// Elevations beyond this are no elevations.
 const ELEVATION_LIMIT_M: f64 = 1e5;
 
+/// The accelerometer gives the slope over distances shorter than this many bandwidths, the elevation over longer ones.
+const TREND_BANDWIDTHS: f64 = 30.0;
+
+/// What an accelerometer feels beyond this is a bump or a failure, as a share of gravity.
+const SPECIFIC_FORCE_LIMIT: f64 = 0.5;
+
+/// A step of at most so many of the smallest steps comes from rounding; a larger one after a hold from a receiver without a fix.
+const ROUNDING_STEPS: f64 = 1.5;
+
+/// An elevation is an outlier if it is off the smoothed road by this many standard deviations of the others, and by so many
+/// metres.
+const OUTLIER_DEVIATIONS: f64 = 5.0;
+const OUTLIER_M: f64 = 5.0;
+
+/// Standard deviation of a normal distribution over the median of its magnitude.
+const DEVIATION_PER_MEDIAN: f64 = 1.4826;
+
 /// Slope angle in rad, positive uphill, from elevation along the road.
 ///
 /// The elevation is taken as piecewise linear over distance, `h(s)`. The slope at `s` is `atan` of
@@ -26,6 +44,10 @@ const ELEVATION_LIMIT_M: f64 = 1e5;
 /// For a full window this is the derivative of Lanczos, which averages the true gradient with
 /// Epanechnikov weights. Because the fit is over distance and not over samples, a stop adds nothing
 /// to it however long it lasts.
+///
+/// Elevations in steps are read as what they are: where a rounded value changes to the next, the road is halfway between the
+/// two; where a value was held and then jumps, only the first sample of the hold was measured. Outliers, more than 5 m and
+/// five standard deviations off a first fit, are left out of a second one.
 ///
 /// - `distance_m`: distance since the start, within ±10⁹ m, never decreasing.
 /// - `elevation_m`: elevation at the same samples. Values that are not finite or beyond ±10⁵ m
@@ -43,21 +65,124 @@ pub fn slope_from_elevation(
     elevation_m: &[f64],
     bandwidth_m: f64,
 ) -> Result<Vec<f64>, Error> {
-    if elevation_m.len() != distance_m.len() {
-        return Err(Error::Length {
-            channel: "elevation_m",
-            found: elevation_m.len(),
-            expected: distance_m.len(),
-        });
+    check_length("elevation_m", elevation_m, distance_m.len())?;
+    check_bandwidth(bandwidth_m)?;
+    check_distance(distance_m)?;
+    let recorded = distance_m.iter().copied().zip(elevation_m.iter().copied());
+    let valid: Vec<(f64, f64)> = recorded
+        .filter(|(_, elevation_m)| elevation_m.abs() <= ELEVATION_LIMIT_M)
+        .collect();
+    let points = without_outliers(unstepped(&valid), bandwidth_m);
+    let profile = Profile::new(points.into_iter());
+    let gradients = profile.gradients(distance_m, bandwidth_m);
+    Ok(gradients.map(f64::atan).collect())
+}
+
+/// Slope angle in rad, positive uphill, from an accelerometer along the car, and elevation.
+///
+/// On a slope an accelerometer feels more than the change of speed: `a_x = dv/dt + g sin θ`. Elevation from satellites errs by
+/// metres and misses bridges and ramps; an accelerometer sees each, but its offset grows into a hill. So the difference, summed
+/// over the distance to an elevation `z(s)` of its own, gives the gradient over short distances, and the recorded elevation the
+/// trend of what is left:
+///
+/// ```text
+/// slope = atan( gradient of z over b + gradient of (h − z) over 30 b )
+/// ```
+///
+/// with the gradients of [`slope_from_elevation`]. Without elevation the road is level over 30 `b`.
+///
+/// - `step_s`: time between two samples, over 0.
+/// - `speed_mps`: speed, finite.
+/// - `accelerometer_mps2`: as many values; missing ones count as no slope.
+/// - `elevation_m`: as many values; missing ones are bridged.
+/// - `bandwidth_m`: `b`, 1 to 10⁵ m; [`DEFAULT_SLOPE_BANDWIDTH_M`] unless there is a reason.
+///
+/// # Errors
+/// As [`slope_from_elevation`], and [`Error::Argument`] for the step.
+pub fn slope_from_accelerometer(
+    step_s: f64,
+    speed_mps: &[f64],
+    accelerometer_mps2: &[f64],
+    elevation_m: Option<&[f64]>,
+    bandwidth_m: f64,
+) -> Result<Vec<f64>, Error> {
+    check_length("accelerometer_mps2", accelerometer_mps2, speed_mps.len())?;
+    if let Some(elevation_m) = elevation_m {
+        check_length("elevation_m", elevation_m, speed_mps.len())?;
     }
-    if !(1.0..=1e5).contains(&bandwidth_m) {
+    check_bandwidth(bandwidth_m)?;
+    if !(1e-3..=1e6).contains(&step_s) {
         return Err(Error::Argument {
-            name: "bandwidth_m",
-            value: bandwidth_m,
-            min: 1.0,
-            max: 1e5,
+            name: "step_s",
+            value: step_s,
+            min: 1e-3,
+            max: 1e6,
         });
     }
+    let felt = felt_elevation(step_s, speed_mps, accelerometer_mps2);
+    let distance_m: Vec<f64> = felt.iter().map(|(distance_m, _)| *distance_m).collect();
+    check_distance(&distance_m)?;
+    let trend_m = TREND_BANDWIDTHS * bandwidth_m;
+    let rest = felt.iter().enumerate().map(|(i, &(distance_m, felt_m))| {
+        let recorded_m = elevation_m.map_or(0.0, |elevation_m| elevation_m[i]);
+        (distance_m, recorded_m - felt_m)
+    });
+    let rest = rest.filter(|(_, elevation)| elevation.abs() <= ELEVATION_LIMIT_M);
+    let short = Profile::new(felt.iter().copied());
+    let long = Profile::new(rest);
+    Ok(short
+        .gradients(&distance_m, bandwidth_m)
+        .zip(long.gradients(&distance_m, trend_m))
+        .map(|(short, long)| (short + long).atan())
+        .collect())
+}
+
+/// Distance and the elevation that an accelerometer felt on it, per sample, m.
+fn felt_elevation(step_s: f64, speed_mps: &[f64], accelerometer_mps2: &[f64]) -> Vec<(f64, f64)> {
+    let mut felt = Vec::with_capacity(speed_mps.len());
+    felt.extend(speed_mps.first().map(|_| (0.0, 0.0)));
+    let (mut distance_m, mut elevation_m) = (0.0, 0.0);
+    for (v, a) in speed_mps.windows(2).zip(accelerometer_mps2.windows(2)) {
+        let specific_mps2 = 0.5 * (a[0] + a[1]) - (v[1] - v[0]) / step_s;
+        let sine =
+            (specific_mps2 / GRAVITY_MPS2).clamp(-SPECIFIC_FORCE_LIMIT, SPECIFIC_FORCE_LIMIT);
+        let travelled_m = 0.5 * (v[0] + v[1]) * step_s;
+        // In reverse the car climbs what it would descend.
+        elevation_m += if sine.is_finite() {
+            travelled_m * sine
+        } else {
+            0.0
+        };
+        distance_m += travelled_m.abs();
+        felt.push((distance_m, elevation_m));
+    }
+    felt
+}
+
+fn check_length(channel: &'static str, values: &[f64], expected: usize) -> Result<(), Error> {
+    if values.len() == expected {
+        return Ok(());
+    }
+    Err(Error::Length {
+        channel,
+        found: values.len(),
+        expected,
+    })
+}
+
+fn check_bandwidth(bandwidth_m: f64) -> Result<(), Error> {
+    if (1.0..=1e5).contains(&bandwidth_m) {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        name: "bandwidth_m",
+        value: bandwidth_m,
+        min: 1.0,
+        max: 1e5,
+    })
+}
+
+fn check_distance(distance_m: &[f64]) -> Result<(), Error> {
     let mut min = -DISTANCE_LIMIT_M;
     for (index, &value) in distance_m.iter().enumerate() {
         if !(min..=DISTANCE_LIMIT_M).contains(&value) {
@@ -71,26 +196,59 @@ pub fn slope_from_elevation(
         }
         min = value;
     }
+    Ok(())
+}
 
-    let profile = Profile::new(distance_m, elevation_m);
-    let (mut left_hint, mut right_hint) = (0, 0);
-    let slope_rad = |&distance_m: &f64| {
-        let left = profile.at(distance_m - bandwidth_m, &mut left_hint)?;
-        let right = profile.at(distance_m + bandwidth_m, &mut right_hint)?;
-        let covered = right.distance_m - left.distance_m >= SHORTEST_WINDOW * bandwidth_m;
-        covered.then(|| Profile::gradient(&left, &right).atan())
-    };
-    Ok(distance_m
-        .iter()
-        .map(slope_rad)
-        .map(Option::unwrap_or_default)
-        .collect())
+/// The points that say where the road is, see [`slope_from_elevation`].
+#[allow(clippy::float_cmp)] // a held value is the same to the last bit
+fn unstepped(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let step_m = points
+        .windows(2)
+        .map(|pair| (pair[1].1 - pair[0].1).abs())
+        .filter(|step| *step > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let mut kept = Vec::with_capacity(points.len());
+    let mut before: Option<(f64, f64)> = None;
+    for run in points.chunk_by(|a, b| a.1 == b.1) {
+        let start = run[0];
+        let rounded = |before: &(f64, f64)| {
+            run.len() > 1 && (start.1 - before.1).abs() <= ROUNDING_STEPS * step_m
+        };
+        kept.push(match before.filter(rounded) {
+            Some(before) => (0.5 * (before.0 + start.0), 0.5 * (before.1 + start.1)),
+            None => start,
+        });
+        before = run.last().copied();
+    }
+    kept.extend(before);
+    kept
+}
+
+/// The points that are not far off the smoothed road.
+fn without_outliers(mut points: Vec<(f64, f64)>, bandwidth_m: f64) -> Vec<(f64, f64)> {
+    let profile = Profile::new(points.iter().copied());
+    let distance_m: Vec<f64> = points.iter().map(|(distance_m, _)| *distance_m).collect();
+    let off_m: Vec<f64> = profile
+        .smoothed(&distance_m, bandwidth_m)
+        .zip(&points)
+        .map(|(smooth_m, (_, elevation_m))| (elevation_m - smooth_m).abs())
+        .collect();
+    let middle = off_m.len() / 2;
+    let mut sorted = off_m.clone();
+    if middle < sorted.len() {
+        let median_m = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let limit_m = (OUTLIER_DEVIATIONS * DEVIATION_PER_MEDIAN * median_m).max(OUTLIER_M);
+        let mut off_m = off_m.into_iter();
+        points.retain(|_| off_m.next().is_some_and(|off_m| off_m <= limit_m));
+    }
+    points
 }
 
 /// Piecewise linear elevation over distance; both count from the first valid sample, against
 /// cancellation.
 struct Profile {
     origin_m: f64,
+    datum_m: f64,
     knots: Vec<Knot>,
 }
 
@@ -105,28 +263,79 @@ struct Knot {
 }
 
 impl Profile {
-    fn new(distance_m: &[f64], elevation_m: &[f64]) -> Self {
-        let mut valid = distance_m
-            .iter()
-            .zip(elevation_m)
-            .filter(|(_, elevation)| elevation.abs() <= ELEVATION_LIMIT_M)
-            .peekable();
-        let (origin_m, datum_m) = valid
-            .peek()
-            .map_or((0.0, 0.0), |&(&distance, &elevation)| (distance, elevation));
+    /// Through points of distance and elevation, in their order.
+    fn new(points: impl Iterator<Item = (f64, f64)>) -> Self {
+        let mut points = points.peekable();
+        let (origin_m, datum_m) = points.peek().copied().unwrap_or_default();
         let start = Knot {
             distance_m: 0.0,
             elevation_m: 0.0,
             area: 0.0,
             moment: 0.0,
         };
-        let knots = valid
-            .scan(start, |last, (&distance, &elevation)| {
+        let knots = points
+            .scan(start, |last, (distance, elevation)| {
                 *last = last.extended(distance - origin_m, elevation - datum_m);
                 Some(*last)
             })
             .collect();
-        Self { origin_m, knots }
+        Self {
+            origin_m,
+            datum_m,
+            knots,
+        }
+    }
+
+    /// The windows of half a width around distances that never decrease, by their ends; `None` where the profile covers next to
+    /// nothing of one.
+    fn windows<'a>(
+        &'a self,
+        distance_m: &'a [f64],
+        bandwidth_m: f64,
+    ) -> impl Iterator<Item = (f64, Option<(Knot, Knot)>)> + use<'a> {
+        let (mut left_hint, mut right_hint) = (0, 0);
+        distance_m.iter().map(move |&distance_m| {
+            let left = self.at(distance_m - bandwidth_m, &mut left_hint);
+            let right = self.at(distance_m + bandwidth_m, &mut right_hint);
+            let covered = |(left, right): &(Knot, Knot)| {
+                right.distance_m - left.distance_m >= SHORTEST_WINDOW * bandwidth_m
+            };
+            (distance_m, left.zip(right).filter(covered))
+        })
+    }
+
+    /// Gradient at distances that never decrease, 0 where the profile says nothing.
+    fn gradients<'a>(
+        &'a self,
+        distance_m: &'a [f64],
+        bandwidth_m: f64,
+    ) -> impl Iterator<Item = f64> + use<'a> {
+        self.windows(distance_m, bandwidth_m)
+            .map(|(_, window)| window.map_or(0.0, |(left, right)| Self::gradient(&left, &right)))
+    }
+
+    /// Elevation of the best straight lines at distances that never decrease.
+    fn smoothed<'a>(
+        &'a self,
+        distance_m: &'a [f64],
+        bandwidth_m: f64,
+    ) -> impl Iterator<Item = f64> + use<'a> {
+        self.windows(distance_m, bandwidth_m)
+            .map(|(distance_m, window)| {
+                let Some((left, right)) = window else {
+                    let mut hint = 0;
+                    return self.datum_m
+                        + self
+                            .at(distance_m, &mut hint)
+                            .map_or(0.0, |knot| knot.elevation_m);
+                };
+                let length = right.distance_m - left.distance_m;
+                let centre = 0.5 * (left.distance_m + right.distance_m);
+                let from_centre = distance_m - self.origin_m - centre;
+                self.datum_m
+                    + (right.area - left.area) / length
+                    + Self::gradient(&left, &right) * from_centre
+            })
     }
 
     /// The point at a distance, cut to the profile. `hint` is the knot to search from, and moves

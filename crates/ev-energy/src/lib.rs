@@ -26,7 +26,7 @@
 //!
 //! // From rest to 10 m/s in 10 s, then 50 s at that speed, one sample per second.
 //! let speed_mps: Vec<f64> = (0..=60).map(|t| f64::from(t).min(10.0)).collect();
-//! let trip = Trip { step_s: 1.0, speed_mps: &speed_mps, slope_rad: None, aux_power_w: None };
+//! let trip = Trip { step_s: 1.0, speed_mps: &speed_mps, ..Trip::default() };
 //! let energy = vehicle.trip_energy(&trip)?;
 //!
 //! assert_eq!(energy.distance_m, 550.0);
@@ -50,23 +50,30 @@
 
 mod battery;
 mod check;
+mod cycle;
 mod error;
 mod grade;
 pub mod library;
+mod loss_table;
 mod motor;
 mod operating_point;
 mod road_load;
+mod scalar;
 mod trip;
 mod vehicle;
+mod weather;
 
-pub use battery::{Battery, BatteryDraw, BatterySpec};
+pub use battery::{Battery, BatteryDraw, BatterySpec, VoltageCurveSpec};
+pub use cycle::Cycle;
 pub use error::Error;
-pub use grade::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_elevation};
+pub use grade::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_accelerometer, slope_from_elevation};
+pub use loss_table::{LossTable, LossTableSpec};
 pub use motor::{Motor, MotorLossSpec, MotorSpec, RegenerationSpec};
 pub use operating_point::{Limited, OperatingPoint};
 pub use road_load::RoadLoadSpec;
-pub use trip::{Budget, JOULES_PER_KWH, LimitedTotals, Trip, TripEnergy};
-pub use vehicle::{Confidence, Source, Vehicle, VehicleSpec};
+pub use trip::{Budget, JOULES_PER_KWH, LimitedTotals, Trip, TripEnergy, TripPoints, WheelEnergy};
+pub use vehicle::{Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec};
+pub use weather::{Weather, WeatherSpec};
 
 /// Gravitational acceleration `g`, m/s², rounded; standard gravity, 9.80665 m/s², is 0.03 % less.
 pub const GRAVITY_MPS2: f64 = 9.81;

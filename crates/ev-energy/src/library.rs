@@ -4,13 +4,30 @@
 
 use crate::error::Error;
 
-const FILES: [(&str, &str); 3] = [
+const FILES: [(&str, &str); 8] = [
     ("b250e", include_str!("../vehicles/b250e.toml")),
     (
         "b250e-coast-down",
         include_str!("../vehicles/b250e-coast-down.toml"),
     ),
     ("bmw-i3-60ah", include_str!("../vehicles/bmw-i3-60ah.toml")),
+    (
+        "nissan-leaf-2013",
+        include_str!("../vehicles/nissan-leaf-2013.toml"),
+    ),
+    (
+        "renault-zoe-ze50",
+        include_str!("../vehicles/renault-zoe-ze50.toml"),
+    ),
+    (
+        "tesla-model-3-lr-2017",
+        include_str!("../vehicles/tesla-model-3-lr-2017.toml"),
+    ),
+    (
+        "vw-e-golf-2015",
+        include_str!("../vehicles/vw-e-golf-2015.toml"),
+    ),
+    ("vw-id3", include_str!("../vehicles/vw-id3.toml")),
 ];
 
 /// Names of the built-in vehicles, for [`Vehicle::builtin`](crate::Vehicle::builtin).

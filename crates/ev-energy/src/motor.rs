@@ -2,6 +2,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::Checker;
 use crate::error::Error;
+use crate::loss_table::{LossTable, LossTableSpec};
+use crate::scalar::{larger, smaller};
 
 /// Motor section of a vehicle file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,8 +15,12 @@ pub struct MotorSpec {
     pub max_power_w: f64,
     /// Largest speed, rad/s; above it the motor gives no torque.
     pub max_speed_rad_s: f64,
-    /// Losses of motor and inverter.
-    pub loss: MotorLossSpec,
+    /// Losses of motor and inverter by formula; this or the table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<MotorLossSpec>,
+    /// Losses of motor and inverter by table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss_table: Option<LossTableSpec>,
 }
 
 /// `P_loss = k_c T² + (1 − s)(k_i |ω| + k_w |ω|³) + k_0`, and 0 at `T = ω = 0`.
@@ -56,15 +62,96 @@ pub struct Motor {
     max_torque_nm: f64,
     max_power_w: f64,
     max_speed_rad_s: f64,
-    copper_w_per_nm2: f64,
-    iron_w_per_rad_s: f64,
-    windage_w_per_rad3_s3: f64,
-    constant_w: f64,
+    loss: Loss,
     regen_torque_fraction: f64,
     regen_max_power_w: f64,
     regen_decel_torque_nm: f64,
     fade_start_mps: f64,
     fade_per_mps: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Loss {
+    Formula(LossFormula),
+    Table(LossTable),
+}
+
+/// The formula without what the road load contains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct LossFormula {
+    copper_w_per_nm2: f64,
+    iron_w_per_rad_s: f64,
+    windage_w_per_rad3_s3: f64,
+    constant_w: f64,
+}
+
+impl Loss {
+    fn new(spec: &MotorSpec, check: &Checker) -> Result<Self, Error> {
+        match (&spec.loss, &spec.loss_table) {
+            (Some(formula), None) => Ok(Self::Formula(LossFormula::new(formula, check)?)),
+            (None, Some(LossTableSpec { table: None, .. })) => Err(check.problem(
+                "motor.loss_table.file",
+                "was not read; read the vehicle from its file",
+            )),
+            (
+                None,
+                Some(LossTableSpec {
+                    table: Some(table),
+                    spin_share_in_road_load,
+                    ..
+                }),
+            ) => {
+                let share = check.range(
+                    "motor.loss_table.spin_share_in_road_load",
+                    *spin_share_in_road_load,
+                    0.0,
+                    1.0,
+                )?;
+                Ok(Self::Table(table.without_spin(share)))
+            }
+            _ => Err(check.problem(
+                "motor",
+                "needs either `[motor.loss]` or `[motor.loss_table]`",
+            )),
+        }
+    }
+}
+
+impl LossFormula {
+    fn new(loss: &MotorLossSpec, check: &Checker) -> Result<Self, Error> {
+        let spin = 1.0
+            - check.range(
+                "motor.loss.spin_share_in_road_load",
+                loss.spin_share_in_road_load,
+                0.0,
+                1.0,
+            )?;
+        let range = |key, value, max| check.range(key, value, 0.0, max);
+        Ok(Self {
+            copper_w_per_nm2: range("motor.loss.copper_w_per_nm2", loss.copper_w_per_nm2, 1e3)?,
+            iron_w_per_rad_s: spin
+                * range("motor.loss.iron_w_per_rad_s", loss.iron_w_per_rad_s, 1e3)?,
+            windage_w_per_rad3_s3: spin
+                * range(
+                    "motor.loss.windage_w_per_rad3_s3",
+                    loss.windage_w_per_rad3_s3,
+                    1.0,
+                )?,
+            constant_w: range("motor.loss.constant_w", loss.constant_w, 1e5)?,
+        })
+    }
+
+    #[inline(always)]
+    fn loss_w(&self, torque_nm: f64, speed: f64) -> f64 {
+        let constant_w = if torque_nm != 0.0 || speed > 0.0 {
+            self.constant_w
+        } else {
+            0.0
+        };
+        self.copper_w_per_nm2 * torque_nm * torque_nm
+            + (self.iron_w_per_rad_s + self.windage_w_per_rad3_s3 * speed * speed) * speed
+            + constant_w
+    }
 }
 
 impl Motor {
@@ -75,14 +162,7 @@ impl Motor {
         torque_per_decel: f64,
         check: &Checker,
     ) -> Result<Self, Error> {
-        let loss = &spec.loss;
-        let spin = 1.0
-            - check.range(
-                "motor.loss.spin_share_in_road_load",
-                loss.spin_share_in_road_load,
-                0.0,
-                1.0,
-            )?;
+        let loss = Loss::new(spec, check)?;
         let fade_start_mps = check.range(
             "regeneration.fade_start_mps",
             regen.fade_start_mps,
@@ -111,27 +191,7 @@ impl Motor {
                 1.0,
                 1e5,
             )?,
-            copper_w_per_nm2: check.range(
-                "motor.loss.copper_w_per_nm2",
-                loss.copper_w_per_nm2,
-                0.0,
-                1e3,
-            )?,
-            iron_w_per_rad_s: spin
-                * check.range(
-                    "motor.loss.iron_w_per_rad_s",
-                    loss.iron_w_per_rad_s,
-                    0.0,
-                    1e3,
-                )?,
-            windage_w_per_rad3_s3: spin
-                * check.range(
-                    "motor.loss.windage_w_per_rad3_s3",
-                    loss.windage_w_per_rad3_s3,
-                    0.0,
-                    1.0,
-                )?,
-            constant_w: check.range("motor.loss.constant_w", loss.constant_w, 0.0, 1e5)?,
+            loss,
             regen_torque_fraction: check.range(
                 "regeneration.torque_fraction",
                 regen.torque_fraction,
@@ -153,13 +213,13 @@ impl Motor {
     /// Largest propelling torque in N m at a motor speed in rad/s:
     /// `min(T_max, P_max/|ω|)`, and 0 above the maximum speed.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn torque_limit_nm(&self, motor_speed_rad_s: f64) -> f64 {
         let speed = motor_speed_rad_s.abs();
         if speed > self.max_speed_rad_s {
             0.0
         } else {
-            self.max_torque_nm.min(self.max_power_w / speed)
+            smaller(self.max_torque_nm, self.max_power_w / speed)
         }
     }
 
@@ -167,29 +227,26 @@ impl Motor {
     /// speed in m/s: `min(f_t T_max(ω), P_gen/|ω|, torque of the deceleration limit)`, faded in
     /// with the vehicle speed.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn regeneration_limit_nm(&self, motor_speed_rad_s: f64, speed_mps: f64) -> f64 {
-        let fade = ((speed_mps.abs() - self.fade_start_mps) * self.fade_per_mps).clamp(0.0, 1.0);
+        let fade = (speed_mps.abs() - self.fade_start_mps) * self.fade_per_mps;
         let by_torque = self.regen_torque_fraction * self.torque_limit_nm(motor_speed_rad_s);
-        // A power limit of 0 at standstill is 0/0; `min` takes the other operand then.
+        // A power limit of 0 at standstill is 0/0; `smaller` takes the other operand then.
         let by_power = self.regen_max_power_w / motor_speed_rad_s.abs();
-        fade * by_torque.min(by_power).min(self.regen_decel_torque_nm)
+        let limit = smaller(smaller(by_power, by_torque), self.regen_decel_torque_nm);
+        larger(smaller(fade, 1.0), 0.0) * limit
     }
 
     /// Loss of motor and inverter in W at a torque in N m and a motor speed in rad/s, see
     /// [`MotorLossSpec`].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn loss_w(&self, torque_nm: f64, motor_speed_rad_s: f64) -> f64 {
         let speed = motor_speed_rad_s.abs();
-        let constant_w = if torque_nm != 0.0 || speed > 0.0 {
-            self.constant_w
-        } else {
-            0.0
-        };
-        self.copper_w_per_nm2 * torque_nm * torque_nm
-            + (self.iron_w_per_rad_s + self.windage_w_per_rad3_s3 * speed * speed) * speed
-            + constant_w
+        match &self.loss {
+            Loss::Formula(formula) => formula.loss_w(torque_nm, speed),
+            Loss::Table(table) => table.loss_w(torque_nm, speed),
+        }
     }
 }
 
@@ -208,13 +265,14 @@ mod tests {
             max_torque_nm: 300.0,
             max_power_w: 90e3,
             max_speed_rad_s: 1000.0,
-            loss: MotorLossSpec {
+            loss: Some(MotorLossSpec {
                 copper_w_per_nm2: 0.2,
                 iron_w_per_rad_s: 2.0,
                 windage_w_per_rad3_s3: 1e-6,
                 constant_w: 100.0,
                 spin_share_in_road_load,
-            },
+            }),
+            loss_table: None,
         };
         let regen = RegenerationSpec {
             torque_fraction: 0.5,

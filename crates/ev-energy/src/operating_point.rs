@@ -1,6 +1,9 @@
 use serde::Serialize;
 
 use crate::GRAVITY_MPS2;
+use crate::battery::Cells;
+use crate::road_load::RoadLoad;
+use crate::scalar::{larger, smaller};
 use crate::vehicle::Vehicle;
 
 /// Magnitude at which the inputs of [`Vehicle::operating_point`] saturate.
@@ -94,26 +97,32 @@ impl Vehicle {
         slope_rad: f64,
     ) -> OperatingPoint {
         let (sin_slope, cos_slope) = slope_rad.sin_cos();
-        self.evaluate(&Motion {
+        let motion = Motion {
             speed_mps: speed_mps.clamp(-INPUT_LIMIT, INPUT_LIMIT),
             accel_mps2: accel_mps2.clamp(-INPUT_LIMIT, INPUT_LIMIT),
             sin_slope,
             cos_slope,
             auxiliary_power_w: self.spec().auxiliary_power_w,
-        })
+        };
+        self.evaluate(&self.road_load, &self.battery.cells(None), &motion)
     }
 
     /// Evaluates the model for a motion that is known to be within range.
     // Always inlined: a trip then skips the terms that it does not sum, a fifth of the time.
     #[inline(always)]
-    pub(crate) fn evaluate(&self, motion: &Motion) -> OperatingPoint {
+    pub(crate) fn evaluate(
+        &self,
+        road_load: &RoadLoad,
+        cells: &Cells,
+        motion: &Motion,
+    ) -> OperatingPoint {
         let direction = if motion.speed_mps < 0.0 { -1.0 } else { 1.0 };
         let v = motion.speed_mps.abs();
         let a = direction * motion.accel_mps2;
 
         let inertia_n = self.effective_mass_kg * a;
-        let rolling_n = self.road_load.rolling_n(v, motion.cos_slope);
-        let aero_n = self.road_load.aero_n(v);
+        let rolling_n = road_load.rolling_n(v, motion.cos_slope);
+        let aero_n = road_load.aero_n(v);
         let grade_n = self.spec().mass_kg * GRAVITY_MPS2 * direction * motion.sin_slope;
         let wheel_force_n = inertia_n + rolling_n + aero_n + grade_n;
 
@@ -122,9 +131,9 @@ impl Vehicle {
         let max_n = self.motor.torque_limit_nm(motor_speed_rad_s) * self.propelling_n_per_nm;
         let regen_n =
             self.motor.regeneration_limit_nm(motor_speed_rad_s, v) * self.braking_n_per_nm;
-        let motor_n = wheel_force_n.min(max_n).max(0.0 - regen_n);
-        let friction_brake_n = (wheel_force_n - motor_n).min(0.0);
-        let shortfall_n = (wheel_force_n - motor_n).max(0.0);
+        let motor_n = larger(smaller(wheel_force_n, max_n), 0.0 - regen_n);
+        let friction_brake_n = smaller(wheel_force_n - motor_n, 0.0);
+        let shortfall_n = larger(wheel_force_n - motor_n, 0.0);
 
         let n_per_nm = if motor_n >= 0.0 {
             self.propelling_n_per_nm
@@ -136,7 +145,7 @@ impl Vehicle {
         let motor_loss_w = self.motor.loss_w(motor_torque_nm, motor_speed_rad_s);
         let motor_electric_w = shaft_power_w + motor_loss_w;
         let electric_power_w = motor_electric_w + motion.auxiliary_power_w;
-        let draw = self.battery.draw(electric_power_w);
+        let draw = self.battery.draw_from(cells, electric_power_w);
 
         OperatingPoint {
             speed_mps: motion.speed_mps,

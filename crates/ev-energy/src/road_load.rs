@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 use crate::GRAVITY_MPS2;
 use crate::check::Checker;
 use crate::error::Error;
+use crate::weather::{Weather, WeatherSpec};
 
 /// Road load as a vehicle file gives it: by coefficients or by coast-down.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,12 +30,17 @@ pub enum RoadLoadSpec {
     },
 }
 
+/// Air density of coast-down figures: 20 °C and 98.21 kPa, to which SAE J1263 corrects them, kg/m³.
+const COAST_DOWN_AIR_DENSITY_KG_PER_M3: f64 = 1.1671;
+
 /// Checked road load, `A cos θ + B v + C v²` in either form.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RoadLoad {
     constant_n: f64,
     linear_n_per_mps: f64,
     quadratic_n_per_mps2: f64,
+    /// Density of the air for which the quadratic term holds.
+    air_density_kg_per_m3: f64,
 }
 
 impl RoadLoad {
@@ -60,13 +66,14 @@ impl RoadLoad {
                 check.range(
                     "road_load.coefficients.air_density_kg_per_m3",
                     air_density_kg_per_m3,
-                    0.0,
+                    0.1,
                     10.0,
                 )?;
                 Ok(Self {
                     constant_n: rolling_coefficient * mass_kg * GRAVITY_MPS2,
                     linear_n_per_mps: 0.0,
                     quadratic_n_per_mps2: 0.5 * air_density_kg_per_m3 * drag_area_m2,
+                    air_density_kg_per_m3,
                 })
             }
             RoadLoadSpec::CoastDown {
@@ -91,8 +98,21 @@ impl RoadLoad {
                     constant_n,
                     linear_n_per_mps,
                     quadratic_n_per_mps2,
+                    air_density_kg_per_m3: COAST_DOWN_AIR_DENSITY_KG_PER_M3,
                 })
             }
+        }
+    }
+
+    /// The road load in other weather: `A` and `B` times the factor of rolling resistance, `C` with the density of the air.
+    pub(crate) fn under(&self, weather: &Weather, spec: &WeatherSpec) -> Self {
+        let rolling = spec.rolling_factor(weather.temperature_degc);
+        Self {
+            constant_n: rolling * self.constant_n,
+            linear_n_per_mps: rolling * self.linear_n_per_mps,
+            quadratic_n_per_mps2: self.quadratic_n_per_mps2
+                * (weather.air_density_kg_per_m3() / self.air_density_kg_per_m3),
+            air_density_kg_per_m3: weather.air_density_kg_per_m3(),
         }
     }
 
@@ -139,7 +159,14 @@ mod tests {
             quadratic_n_per_mps2: 0.5 * density * area,
         };
         let road_load = |spec| RoadLoad::new(spec, mass_kg, &CHECK).unwrap();
-        assert_eq!(road_load(&coefficients), road_load(&coast_down));
+        let (by_coefficients, by_coast_down) = (road_load(&coefficients), road_load(&coast_down));
+        for v in [1.0, 13.0, 40.0] {
+            assert_eq!(
+                by_coefficients.rolling_n(v, 0.9),
+                by_coast_down.rolling_n(v, 0.9)
+            );
+            assert_eq!(by_coefficients.aero_n(v), by_coast_down.aero_n(v));
+        }
     }
 
     #[test]

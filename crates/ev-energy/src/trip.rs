@@ -3,9 +3,13 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+use crate::battery::Cells;
 use crate::error::Error;
 use crate::operating_point::{Motion, OperatingPoint};
+use crate::road_load::RoadLoad;
+use crate::scalar::{larger, sin_cos};
 use crate::vehicle::Vehicle;
+use crate::weather::Weather;
 
 /// Joules in a kilowatt hour.
 pub const JOULES_PER_KWH: f64 = 3.6e6;
@@ -19,8 +23,26 @@ pub struct Trip<'a> {
     pub speed_mps: &'a [f64],
     /// Slope angle, positive uphill, rad; within ±π/2. `None` is a level road.
     pub slope_rad: Option<&'a [f64]>,
-    /// Power of the auxiliaries, W; within ±10⁶. `None` is the constant of the vehicle.
-    pub aux_power_w: Option<&'a [f64]>,
+    /// Power of what the log knows of auxiliaries, such as heating, on top of the constant of the vehicle, W; within ±10⁶.
+    pub extra_aux_power_w: Option<&'a [f64]>,
+    /// Weather; `None` is that of the vehicle's road load.
+    pub weather: Option<Weather>,
+    /// State of charge at the start, 0 to 100 %; `None` leaves the battery at its nominal voltage.
+    pub soc_start_pct: Option<f64>,
+}
+
+/// No samples, 0.1 s apart.
+impl Default for Trip<'_> {
+    fn default() -> Self {
+        Self {
+            step_s: 0.1,
+            speed_mps: &[],
+            slope_rad: None,
+            extra_aux_power_w: None,
+            weather: None,
+            soc_start_pct: None,
+        }
+    }
 }
 
 /// Energy of a trip, from [`Vehicle::trip_energy`].
@@ -40,8 +62,21 @@ pub struct TripEnergy {
     pub wall_energy_j: f64,
     /// Where the energy went.
     pub budget: Budget,
+    /// What passed the wheels.
+    pub wheel: WheelEnergy,
     /// Where the car could not follow.
     pub limited: LimitedTotals,
+    /// State of charge at the end, %; `None` where it was not known at the start, or the vehicle has no capacity.
+    pub soc_end_pct: Option<f64>,
+}
+
+/// Energy through the wheels by direction; the first minus the second is what the motion and its resistances took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct WheelEnergy {
+    /// From the car to the road, J.
+    pub propelled_j: f64,
+    /// From the road back, to motor and friction brakes, J.
+    pub braked_j: f64,
 }
 
 /// Where the energy of a trip went. All terms but the last sum to the energy from the cells:
@@ -107,7 +142,7 @@ impl Budget {
     }
 }
 
-/// Trips add up.
+/// Trips add up; the state of charge is that of the last.
 impl AddAssign for TripEnergy {
     fn add_assign(&mut self, other: Self) {
         self.distance_m += other.distance_m;
@@ -126,6 +161,9 @@ impl AddAssign for TripEnergy {
         budget.battery_loss_j += more.battery_loss_j;
         budget.friction_brake_j += more.friction_brake_j;
         budget.regenerated_j += more.regenerated_j;
+        self.wheel.propelled_j += other.wheel.propelled_j;
+        self.wheel.braked_j += other.wheel.braked_j;
+        self.soc_end_pct = other.soc_end_pct;
         self.limited.torque_s += other.limited.torque_s;
         self.limited.battery_s += other.limited.battery_s;
         self.limited.undelivered_j += other.limited.undelivered_j;
@@ -148,9 +186,24 @@ impl Vehicle {
     /// # Errors
     /// As [`Vehicle::trip_points`].
     pub fn trip_energy(&self, trip: &Trip) -> Result<TripEnergy, Error> {
+        self.trip_energy_with(trip, |_| {})
+    }
+
+    /// As [`Vehicle::trip_energy`], and shows every operating point on the way.
+    ///
+    /// # Errors
+    /// As [`Vehicle::trip_points`].
+    #[inline]
+    pub fn trip_energy_with(
+        &self,
+        trip: &Trip,
+        mut visit: impl FnMut(&OperatingPoint),
+    ) -> Result<TripEnergy, Error> {
+        let mut points = self.trip_points(trip)?;
         let mut sum = PowerSum::default();
-        for point in self.trip_points(trip)? {
+        for point in points.by_ref() {
             sum.add(&point);
+            visit(&point);
         }
         let step_s = trip.step_s;
         let battery_energy_j = sum.battery_w * step_s;
@@ -172,11 +225,16 @@ impl Vehicle {
                 friction_brake_j: sum.friction_brake_w * step_s,
                 regenerated_j: sum.regenerated_w * step_s,
             },
+            wheel: WheelEnergy {
+                propelled_j: sum.propelled_w * step_s,
+                braked_j: sum.braked_w * step_s,
+            },
             limited: LimitedTotals {
-                torque_s: sum.torque_limited as f64 * step_s,
-                battery_s: sum.battery_limited as f64 * step_s,
+                torque_s: sum.torque_limited * step_s,
+                battery_s: sum.battery_limited * step_s,
                 undelivered_j: sum.undelivered_w * step_s,
             },
+            soc_end_pct: points.soc_pct,
         })
     }
 
@@ -187,49 +245,124 @@ impl Vehicle {
     /// samples.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the step, [`Error::Length`] for channels of different length and
-    /// [`Error::Sample`] for a value that is not finite or out of range; see [`Trip`] for the
-    /// ranges.
-    pub fn trip_points<'a>(
-        &'a self,
-        trip: &Trip<'a>,
-    ) -> Result<impl ExactSizeIterator<Item = OperatingPoint> + use<'a>, Error> {
-        let Trip {
-            step_s,
-            speed_mps,
-            slope_rad,
-            aux_power_w,
-        } = *trip;
-        if !(1e-3..=1e6).contains(&step_s) {
-            return Err(Error::Argument {
-                name: "step_s",
-                value: step_s,
-                min: 1e-3,
-                max: 1e6,
-            });
-        }
-        check_channel("speed_mps", speed_mps, speed_mps.len(), 1e3)?;
-        if let Some(slope_rad) = slope_rad {
-            check_channel("slope_rad", slope_rad, speed_mps.len(), FRAC_PI_2)?;
-        }
-        if let Some(aux_power_w) = aux_power_w {
-            check_channel("aux_power_w", aux_power_w, speed_mps.len(), 1e6)?;
-        }
-        let rate_hz = 1.0 / step_s;
-        Ok((1..speed_mps.len()).map(move |end| {
-            let mean = |channel: &[f64]| 0.5 * (channel[end - 1] + channel[end]);
-            let (sin_slope, cos_slope) =
-                slope_rad.map_or((0.0, 1.0), |slope_rad| mean(slope_rad).sin_cos());
-            self.evaluate(&Motion {
-                speed_mps: mean(speed_mps),
-                accel_mps2: (speed_mps[end] - speed_mps[end - 1]) * rate_hz,
-                sin_slope,
-                cos_slope,
-                auxiliary_power_w: aux_power_w.map_or(self.spec().auxiliary_power_w, mean),
+    /// [`Error::Argument`] for the step, the weather and the state of charge, [`Error::Length`] for
+    /// channels of different length and [`Error::Sample`] for a value that is not finite or out of
+    /// range; see [`Trip`] for the ranges.
+    pub fn trip_points<'a>(&'a self, trip: &Trip<'a>) -> Result<TripPoints<'a>, Error> {
+        let argument = |name, value: f64, min: f64, max: f64| {
+            if (min..=max).contains(&value) {
+                return Ok(());
+            }
+            Err(Error::Argument {
+                name,
+                value,
+                min,
+                max,
             })
-        }))
+        };
+        argument("step_s", trip.step_s, 1e-3, 1e6)?;
+        if let Some(soc_pct) = trip.soc_start_pct {
+            argument("soc_start_pct", soc_pct, 0.0, 100.0)?;
+        }
+        let samples = trip.speed_mps.len();
+        check_channel("speed_mps", trip.speed_mps, samples, 1e3)?;
+        if let Some(slope_rad) = trip.slope_rad {
+            check_channel("slope_rad", slope_rad, samples, FRAC_PI_2)?;
+        }
+        if let Some(power_w) = trip.extra_aux_power_w {
+            check_channel("extra_aux_power_w", power_w, samples, 1e6)?;
+        }
+        let road_load = match &trip.weather {
+            None => self.road_load.clone(),
+            Some(weather) => {
+                weather.check()?;
+                self.road_load.under(weather, &self.spec().weather)
+            }
+        };
+        Ok(TripPoints {
+            vehicle: self,
+            trip: *trip,
+            rate_hz: 1.0 / trip.step_s,
+            road_load,
+            cells: self.battery.cells(trip.soc_start_pct),
+            soc_pct: trip
+                .soc_start_pct
+                .and_then(|soc_pct| self.battery.discharged_pct(soc_pct, 0.0)),
+            end: 1,
+        })
     }
 }
+
+/// The operating points of a trip, from [`Vehicle::trip_points`].
+#[derive(Debug, Clone)]
+pub struct TripPoints<'a> {
+    vehicle: &'a Vehicle,
+    trip: Trip<'a>,
+    rate_hz: f64,
+    road_load: RoadLoad,
+    cells: Cells,
+    soc_pct: Option<f64>,
+    /// Sample at the end of the next step.
+    end: usize,
+}
+
+impl TripPoints<'_> {
+    /// State of charge after the last point given, %.
+    #[must_use]
+    pub fn soc_pct(&self) -> Option<f64> {
+        self.soc_pct
+    }
+
+    #[inline(always)]
+    fn motion(&self, end: usize) -> Motion {
+        let mean = |channel: &[f64]| 0.5 * (channel[end - 1] + channel[end]);
+        let Trip {
+            speed_mps,
+            slope_rad,
+            extra_aux_power_w,
+            ..
+        } = self.trip;
+        let (sin_slope, cos_slope) = slope_rad.map_or((0.0, 1.0), |slope| sin_cos(mean(slope)));
+        Motion {
+            speed_mps: mean(speed_mps),
+            accel_mps2: (speed_mps[end] - speed_mps[end - 1]) * self.rate_hz,
+            sin_slope,
+            cos_slope,
+            auxiliary_power_w: self.vehicle.spec().auxiliary_power_w
+                + extra_aux_power_w.map_or(0.0, mean),
+        }
+    }
+}
+
+impl Iterator for TripPoints<'_> {
+    type Item = OperatingPoint;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<OperatingPoint> {
+        if self.end >= self.trip.speed_mps.len() {
+            return None;
+        }
+        let motion = self.motion(self.end);
+        let point = self.vehicle.evaluate(&self.road_load, &self.cells, &motion);
+        self.end += 1;
+        if let Some(soc_pct) = self.soc_pct {
+            let battery = &self.vehicle.battery;
+            self.soc_pct =
+                battery.discharged_pct(soc_pct, point.battery_current_a * self.trip.step_s);
+            if battery.has_curve() {
+                self.cells = battery.cells(self.soc_pct);
+            }
+        }
+        Some(point)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.trip.speed_mps.len().saturating_sub(self.end);
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for TripPoints<'_> {}
 
 fn check_channel(
     channel: &'static str,
@@ -276,12 +409,15 @@ struct PowerSum {
     friction_brake_w: f64,
     regenerated_w: f64,
     undelivered_w: f64,
-    torque_limited: u64,
-    battery_limited: u64,
+    propelled_w: f64,
+    braked_w: f64,
+    /// Steps.
+    torque_limited: f64,
+    battery_limited: f64,
 }
 
 impl PowerSum {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, point: &OperatingPoint) {
         let v = point.speed_mps;
         self.speed_mps += v.abs();
@@ -296,9 +432,12 @@ impl PowerSum {
         self.auxiliary_w += point.auxiliary_power_w;
         self.battery_loss_w += point.battery_loss_w;
         self.friction_brake_w += point.friction_brake_w;
-        self.regenerated_w += (-point.terminal_power_w).max(0.0);
+        self.regenerated_w += larger(-point.terminal_power_w, 0.0);
         self.undelivered_w += point.undelivered_w;
-        self.torque_limited += u64::from(point.limited.torque);
-        self.battery_limited += u64::from(point.limited.battery);
+        let wheel_w = point.wheel_force_n * v;
+        self.propelled_w += larger(wheel_w, 0.0);
+        self.braked_w += larger(-wheel_w, 0.0);
+        self.torque_limited += f64::from(u8::from(point.limited.torque));
+        self.battery_limited += f64::from(u8::from(point.limited.battery));
     }
 }

@@ -5,10 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::battery::{Battery, BatterySpec};
 use crate::check::Checker;
+use crate::cycle::Cycle;
 use crate::error::Error;
 use crate::library;
+use crate::loss_table::LossTable;
 use crate::motor::{Motor, MotorSpec, RegenerationSpec};
 use crate::road_load::{RoadLoad, RoadLoadSpec};
+use crate::weather::WeatherSpec;
 
 /// A vehicle as its TOML file gives it; unchecked until it becomes a [`Vehicle`].
 ///
@@ -40,6 +43,12 @@ pub struct VehicleSpec {
     pub regeneration: RegenerationSpec,
     /// Battery.
     pub battery: BatterySpec,
+    /// What the weather does to the road load.
+    #[serde(default, skip_serializing_if = "WeatherSpec::is_default")]
+    pub weather: WeatherSpec,
+    /// Published consumption to hold the model against.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub consumption: Vec<Consumption>,
     /// Where values come from, by dotted key of a value or of a whole section.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sources: BTreeMap<String, Source>,
@@ -67,6 +76,31 @@ pub enum Confidence {
     Fitted,
     /// An educated guess.
     Assumed,
+}
+
+/// A published consumption.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Consumption {
+    /// The driving cycle.
+    pub cycle: Cycle,
+    /// Energy from the wall, kWh per 100 km.
+    pub wall_kwh_per_100km: f64,
+    /// Whether values of the file were adjusted to it.
+    #[serde(rename = "use")]
+    pub purpose: ConsumptionUse,
+    /// Where the figure comes from.
+    pub source: String,
+}
+
+/// What a published consumption was used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ConsumptionUse {
+    /// Values of the file were adjusted to it.
+    Fitted,
+    /// It was never looked at.
+    HoldOut,
 }
 
 impl VehicleSpec {
@@ -144,7 +178,17 @@ impl Vehicle {
     /// # Errors
     /// As [`VehicleSpec::from_toml`] and [`Vehicle::new`].
     pub fn from_toml(text: &str, file: &str) -> Result<Self, Error> {
-        Self::checked(VehicleSpec::from_toml(text, file)?, file)
+        let mut spec = VehicleSpec::from_toml(text, file)?;
+        if let Some(losses) = &mut spec.motor.loss_table {
+            let beside = Path::new(file).parent().unwrap_or(Path::new(""));
+            let path = beside.join(&losses.file);
+            losses.table = Some(LossTable::read(&path)?);
+            // A vehicle that is written to another place still finds it.
+            if let Ok(absolute) = std::path::absolute(&path) {
+                losses.file = absolute.display().to_string();
+            }
+        }
+        Self::checked(spec, file)
     }
 
     /// Reads and checks a vehicle file.
@@ -182,6 +226,15 @@ impl Vehicle {
         let ratio = check.range("gear_ratio", spec.gear_ratio, 0.1, 1000.0)?;
         let efficiency = check.range("gear_efficiency", spec.gear_efficiency, 0.1, 1.0)?;
         check.range("auxiliary_power_w", spec.auxiliary_power_w, 0.0, 1e6)?;
+        spec.weather.check(&check)?;
+        for figure in &spec.consumption {
+            check.range(
+                "consumption.wall_kwh_per_100km",
+                figure.wall_kwh_per_100km,
+                0.1,
+                1e4,
+            )?;
+        }
         // Thesis 2.7.
         let effective_mass_kg = mass_kg + inertia_kg_m2 / (radius_m * radius_m);
         let braking_n_per_nm = ratio / (radius_m * efficiency);

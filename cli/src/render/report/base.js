@@ -37,6 +37,7 @@ function fixed(value, digits) {
   return sign + grouped + (fraction === undefined ? '' : `.${fraction}`);
 }
 
+const signed = (value, digits) => (Number(fixed(value, digits).replace(/\u202f/g, '')) > 0 ? '+' : '') + fixed(value, digits);
 const quantity = (value, digits, unit) => `${fixed(value, digits)}\u00a0${unit}`;
 const plural = (count, noun) => `${fixed(count, 0)} ${noun}${count === 1 ? '' : 's'}`;
 

@@ -9,12 +9,6 @@ function newChart(report) {
   return { report, panels: [], full: null, view: null, highlighted: -1, palette: null, frame: 0, settling: 0 };
 }
 
-function readPalette() {
-  const style = getComputedStyle(document.documentElement);
-  const colour = (name) => style.getPropertyValue(name).trim();
-  return { colour, measured: colour('--measured'), font: getComputedStyle(document.body).fontFamily };
-}
-
 /** Time from 0 to the longest phase; speed up to the measured maximum, and a quarter more where a prediction goes beyond. */
 function fullView(chart) {
   let [duration, measured, predicted] = [0, 0, 0];
@@ -64,19 +58,6 @@ function pan(chart, shareT, shareV, from = chart.view) {
   setView(chart, { t0: from.t0 + dt, t1: from.t1 + dt, v0: from.v0 + dv, v1: from.v1 + dv });
 }
 
-/** Clears a canvas that has the size of `onPage`, and sets it to the pixels of the screen. */
-function prepareCanvas(canvas, onPage = canvas) {
-  const ratio = Math.min(window.devicePixelRatio || 1, 2);
-  const [width, height] = [onPage.clientWidth, onPage.clientHeight];
-  const [pixelWidth, pixelHeight] = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (canvas.width !== pixelWidth) canvas.width = pixelWidth;
-  if (canvas.height !== pixelHeight) canvas.height = pixelHeight;
-  const context = canvas.getContext('2d');
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
-  return { context, ratio };
-}
-
 function panelScales(panel, view) {
   const [width, height] = [panel.base.clientWidth, panel.base.clientHeight];
   const box = { left: PLOT.left, right: width - PLOT.right, top: PLOT.top, bottom: height - PLOT.bottom };
@@ -87,12 +68,6 @@ function panelScales(panel, view) {
     t: linear(box.left, box.right, view.t0, view.t1),
     v: linear(box.bottom, box.top, view.v0, view.v1),
   };
-}
-
-function clipTo(context, box) {
-  context.beginPath();
-  context.rect(box.left, box.top, box.right - box.left, box.bottom - box.top);
-  context.clip();
 }
 
 function drawAxes(context, view, { box, x, y }, palette) {
@@ -399,22 +374,15 @@ function newPanel(model, chart) {
 }
 
 function zoomButtons(chart) {
-  const button = (label, name, action) => {
-    const node = el('button', { type: 'button', 'aria-label': name, title: name }, label);
-    node.addEventListener('click', action);
-    return node;
-  };
-  return el(
-    'div',
-    { class: 'toolbar', role: 'group', 'aria-label': 'View of the curves' },
-    button('+', 'Zoom in', () => zoom(chart, 0.7)),
-    button('−', 'Zoom out', () => zoom(chart, 1 / 0.7)),
-    button('←', 'Earlier', () => pan(chart, -0.25, 0)),
-    button('→', 'Later', () => pan(chart, 0.25, 0)),
-    button('↑', 'Faster', () => pan(chart, 0, 0.25)),
-    button('↓', 'Slower', () => pan(chart, 0, -0.25)),
-    button('Show all', 'Show all', () => setView(chart, chart.full)),
-  );
+  return toolbar('View of the curves', [
+    ['+', 'Zoom in', () => zoom(chart, 0.7)],
+    ['−', 'Zoom out', () => zoom(chart, 1 / 0.7)],
+    ['←', 'Earlier', () => pan(chart, -0.25, 0)],
+    ['→', 'Later', () => pan(chart, 0.25, 0)],
+    ['↑', 'Faster', () => pan(chart, 0, 0.25)],
+    ['↓', 'Slower', () => pan(chart, 0, -0.25)],
+    ['Show all', 'Show all', () => setView(chart, chart.full)],
+  ]);
 }
 
 /** Builds the panels of the chosen models; the view stays where it is when models come and go. */

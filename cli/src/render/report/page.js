@@ -13,6 +13,27 @@ function problems(report, schema) {
   byId('problems').hidden = lines.length === 0;
 }
 
+/** A choice of one, the first at first, from `choices` with a `label` each. */
+function radios(legend, name, choices, onPick) {
+  const chips = choices.map((choice, index) => {
+    const input = el('input', { type: 'radio', name, ...(index === 0 ? { checked: '' } : {}) });
+    input.addEventListener('change', () => onPick(choice));
+    return el('label', { class: 'chip' }, input, choice.label);
+  });
+  return el('fieldset', {}, el('legend', {}, legend), ...chips);
+}
+
+/** A list to choose one from, the first at first; `groups` are names with their choices, which have a `label` each. */
+function picklist(label, groups, onPick) {
+  const choices = groups.flatMap(([, members]) => members);
+  const option = (choice) => el('option', { value: choices.indexOf(choice) }, choice.label);
+  const filled = groups.filter(([, members]) => members.length > 0);
+  const nodes = filled.map(([name, members]) => el('optgroup', { label: name }, ...members.map(option)));
+  const select = el('select', {}, ...nodes);
+  select.addEventListener('change', () => onPick(choices[select.value]));
+  return el('label', { class: 'picklist' }, el('span', {}, label), select);
+}
+
 function parseDocument() {
   try {
     return JSON.parse(byId('document').textContent);

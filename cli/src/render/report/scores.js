@@ -40,28 +40,11 @@ function valueCell(value, column, best, kind = '') {
   return el('td', { class: kind }, isBest ? el('span', { class: 'best' }, shown) : shown);
 }
 
-function columnHeading(column, onSort) {
-  const button = el('button', { type: 'button' }, el('span', {}, column.label));
-  if (column.unit) button.append(el('small', {}, column.unit));
-  button.addEventListener('click', onSort);
-  return el('th', { scope: 'col' }, button);
-}
-
 function summaryRow(model, columns) {
   const name = el('th', { scope: 'row' }, swatch(model.colour), model.name);
   const knows = el('td', { class: 'text' }, text(model.summary.knows) || '–');
   const cells = columns.map((column) => valueCell(column.value(model.summary), column, column.best));
   return el('tr', {}, name, knows, ...cells);
-}
-
-/** Rows in the order of a column, undefined values last; models and baselines are sorted apart. */
-function sortRows(rows, column, direction) {
-  const key = (row) => column.value(row.model.summary);
-  return [...rows].sort((a, b) => {
-    const [x, y] = [key(a), key(b)];
-    if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);
-    return direction * (x - y);
-  });
 }
 
 function summaryTable(report) {
@@ -80,15 +63,12 @@ function summaryTable(report) {
     const node = el('tbody', { class: isBaseline ? 'baselines' : 'models' }, title, ...rows.map((row) => row.node));
     return { rows, title, node };
   });
+  const key = (column) => (row) => column.value(row.model.summary);
   const headings = columns.map((column) => columnHeading(column, () => sortBy(column)));
   const sortBy = (column) => {
-    const chosen = headings[columns.indexOf(column)];
-    const before = chosen.getAttribute('aria-sort');
-    const descending = before ? before === 'ascending' : column.better === 'high';
-    headings.forEach((one) => one.removeAttribute('aria-sort'));
-    chosen.setAttribute('aria-sort', descending ? 'descending' : 'ascending');
+    const descending = markSorted(headings, headings[columns.indexOf(column)], column.better === 'high');
     for (const body of bodies) {
-      body.node.append(body.title, ...sortRows(body.rows, column, descending ? -1 : 1).map((row) => row.node));
+      body.node.append(body.title, ...sortRows(body.rows, key(column), descending).map((row) => row.node));
     }
   };
   sortBy(columns[1]);
@@ -125,13 +105,8 @@ function scoreTable(label, rows, models, score, metric) {
 function scoreTables(id, label, rows, models, score) {
   const holder = el('div');
   const show = (metric) => holder.replaceChildren(scoreTable(label, rows, models, score, metric));
-  const choices = METRICS.map((metric, index) => {
-    const input = el('input', { type: 'radio', name: `${id}-metric`, ...(index === 0 ? { checked: '' } : {}) });
-    input.addEventListener('change', () => show(metric));
-    return el('label', { class: 'chip' }, input, metric.label);
-  });
   show(METRICS[0]);
-  return [el('fieldset', {}, el('legend', {}, 'Metric'), ...choices), holder];
+  return [radios('Metric', `${id}-metric`, METRICS, show), holder];
 }
 
 function groupResults(report) {

@@ -8,6 +8,53 @@ function tableBox(label, head, bodies, tall = false) {
 
 const heading = (label, kind = '') => el('th', { scope: 'col', class: kind }, label);
 
+function columnHeading(column, onSort) {
+  const button = el('button', { type: 'button' }, el('span', {}, column.label));
+  if (column.unit) button.append(el('small', {}, column.unit));
+  button.addEventListener('click', onSort);
+  return el('th', { scope: 'col' }, button);
+}
+
+/** Marks the heading that a table is sorted by, the other way round when it was already; says whether it descends. */
+function markSorted(headings, chosen, descendsFirst) {
+  const before = chosen.getAttribute('aria-sort');
+  const descending = before ? before === 'ascending' : descendsFirst;
+  headings.forEach((one) => one.removeAttribute('aria-sort'));
+  chosen.setAttribute('aria-sort', descending ? 'descending' : 'ascending');
+  return descending;
+}
+
+/** Rows in the order of a key, a number or a text; undefined values last. */
+function sortRows(rows, key, descending) {
+  const direction = descending ? -1 : 1;
+  return [...rows].sort((a, b) => {
+    const [x, y] = [key(a), key(b)];
+    if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);
+    return direction * (typeof x === 'string' ? x.localeCompare(y, 'en', { numeric: true }) : x - y);
+  });
+}
+
+/** A table that its headings sort, in the order of `rows` at first. Columns without `digits` are text; the first is the name. */
+function sortableTable(label, columns, rows) {
+  const cell = ({ value, digits }, row) =>
+    digits === undefined ? el('td', { class: 'text' }, value(row) || '–') : el('td', {}, fixed(value(row), digits));
+  const [name, ...others] = columns;
+  const built = rows.map((row) => {
+    const cells = others.map((column) => cell(column, row));
+    return { row, node: el('tr', {}, el('th', { scope: 'row' }, name.value(row)), ...cells) };
+  });
+  const body = el('tbody', {}, ...built.map(({ node }) => node));
+  const headings = columns.map((column, index) => {
+    const node = columnHeading(column, () => {
+      const descending = markSorted(headings, node, false);
+      body.append(...sortRows(built, ({ row }) => column.value(row), descending).map((one) => one.node));
+    });
+    node.className = [index === 0 ? 'corner' : '', column.digits === undefined ? 'text' : ''].join(' ').trim();
+    return node;
+  });
+  return tableBox(label, [el('tr', {}, ...headings)], [body], rows.length > TALL_ROWS);
+}
+
 /** A part that is built when it is first opened. */
 function collapsible(title, remark, content) {
   const node = el('details', {}, el('summary', {}, title, el('small', {}, remark)));

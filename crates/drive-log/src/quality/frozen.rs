@@ -10,8 +10,9 @@ const MOVING_MPS: f64 = 0.5;
 
 /// Measured at every moment of a drive, so that none is the same to the last bit for seconds, let
 /// alone two of them.
-const RESTLESS: [Channel; 4] = [
+const RESTLESS: [Channel; 5] = [
     Channel::Accel,
+    Channel::Accelerometer,
     Channel::MotorTorque,
     Channel::BatteryVoltage,
     Channel::BatteryCurrent,

@@ -26,6 +26,16 @@ const PINNED_SHARE: f64 = 0.5;
 const PINNED_S: f64 = 300.0;
 const OFF_W: f64 = 50.0;
 
+/// At standstill the battery gives what heating and auxiliaries take, and no less. A heater claims power
+/// above the first, W; the second is the meters' tolerance, W.
+const CLAIM_W: f64 = 300.0;
+const TOLERANCE_W: f64 = 200.0;
+const STANDSTILL_MPS: f64 = 0.05;
+
+/// Claims at standstill that decide, s, and the share of them that the battery must contradict.
+const CLAIMED_S: f64 = 5.0;
+const CONTRADICTED_SHARE: f64 = 0.5;
+
 /// Removes a value that comes in pulses again and again, to the last bit, and that the battery does
 /// not feel.
 pub(super) fn remove_sentinel(checked: &mut Checked) {
@@ -158,4 +168,80 @@ pub(super) fn drop_pinned(checked: &mut Checked) {
         );
         checked.log.channels.remove(&Channel::HeatingPower);
     }
+}
+
+/// Drops a heating channel that the battery contradicts.
+pub(super) fn drop_contradicted(checked: &mut Checked) {
+    if let Some(detail) = contradiction(checked, Channel::HeatingPower) {
+        drop_channel(checked, Channel::HeatingPower, detail);
+    }
+}
+
+/// Takes the power that was requested of the heater where there is none of the heater itself, unless the battery contradicts it.
+pub(super) fn take_request(checked: &mut Checked) {
+    if checked.values(Channel::HeatingPower).is_some()
+        || checked.values(Channel::HeatingRequest).is_none()
+    {
+        return;
+    }
+    if let Some(detail) = contradiction(checked, Channel::HeatingRequest) {
+        drop_channel(checked, Channel::HeatingRequest, detail);
+    } else if let Some(request_w) = checked.log.channels.get(&Channel::HeatingRequest).cloned() {
+        let samples = 0..request_w.len();
+        checked
+            .log
+            .channels
+            .insert(Channel::HeatingPower, request_w);
+        checked.report(
+            FindingKind::Missing,
+            Channel::HeatingPower,
+            &samples,
+            Action::Replaced,
+            format!("{} taken in its place", Channel::HeatingRequest),
+        );
+    }
+}
+
+fn drop_channel(checked: &mut Checked, channel: Channel, detail: String) {
+    let samples = 0..checked.log.len();
+    checked.report(
+        FindingKind::Contradicted,
+        channel,
+        &samples,
+        Action::Dropped,
+        detail,
+    );
+    checked.log.channels.remove(&channel);
+}
+
+/// What the battery says against a heating channel at standstill; `None` where it says nothing.
+fn contradiction(checked: &Checked, channel: Channel) -> Option<String> {
+    let heating_w = checked.values(channel)?;
+    let (voltage_v, current_a) = (
+        checked.values(Channel::BatteryVoltage)?,
+        checked.values(Channel::BatteryCurrent)?,
+    );
+    let speed_mps = checked.log.speed_mps();
+    let aux_w = |i: usize| {
+        checked
+            .values(Channel::AuxPower)
+            .map_or(0.0, |aux| aux[i].max(0.0))
+    };
+    let (mut claimed, mut contradicted) = (0_usize, 0_usize);
+    for i in 0..heating_w.len() {
+        let battery_w = voltage_v[i] * current_a[i];
+        if speed_mps[i].abs() < STANDSTILL_MPS && heating_w[i] > CLAIM_W && battery_w.is_finite() {
+            claimed += 1;
+            contradicted += usize::from(battery_w < heating_w[i] + aux_w(i) - TOLERANCE_W);
+        }
+    }
+    let samples = heating_w.len();
+    let claimed_s = checked.duration_s(&(0..samples)) * claimed as f64 / samples as f64;
+    let share = contradicted as f64 / claimed as f64;
+    (claimed_s >= CLAIMED_S && share >= CONTRADICTED_SHARE).then(|| {
+        format!(
+            "the battery delivers less in {:.0} % of the {claimed_s:.0} s at standstill with over {CLAIM_W} W",
+            100.0 * share
+        )
+    })
 }

@@ -42,6 +42,8 @@ pub struct Checked {
 /// | altitude outlier | elevation leaves the steepest road by 5 m for 2 s, or by 40 m for a minute | removed |
 /// | sentinel | heating in three or more pulses under 3 s of one exact value that the battery does not feel | removed |
 /// | pinned | one value over 50 W for half of the heating channel and 300 s | channel dropped |
+/// | contradicted | at standstill the battery delivers less than heating and auxiliaries, for half of the time that the heating claims power | channel dropped |
+/// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
 ///
 /// A standstill, a cruise control, a channel in coarse steps and a speed that repeats at 1 Hz are
 /// nothing of this.
@@ -63,6 +65,8 @@ pub fn check(log: RawLog) -> Checked {
     jump::remove_altitude_outliers(&mut checked);
     heating::remove_sentinel(&mut checked);
     heating::drop_pinned(&mut checked);
+    heating::drop_contradicted(&mut checked);
+    heating::take_request(&mut checked);
     let log = &mut checked.log;
     log.channels.retain(|channel, values| {
         *channel == Channel::Speed || values.iter().any(|v| v.is_finite())

@@ -9,7 +9,7 @@ fn plausible(channel: Channel) -> (f64, f64) {
         // −72 km/h in reverse to the land speed of production cars
         Channel::Speed | Channel::LeadSpeed => (-20.0, 150.0),
         // five times what tyres transmit
-        Channel::Accel => (-50.0, 50.0),
+        Channel::Accel | Channel::Accelerometer => (-50.0, 50.0),
         Channel::SpeedLimit => (0.0, 100.0),
         // the steepest streets have 0.34 rad
         Channel::Slope => (-0.7, 0.7),
@@ -23,7 +23,9 @@ fn plausible(channel: Channel) -> (f64, f64) {
         Channel::StateOfCharge => (-1.0, 105.0),
         Channel::MotorTorque => (-2e4, 2e4),
         // a meter's offset may be slightly negative
-        Channel::AuxPower | Channel::HeatingPower => (-1e3, 1e5),
+        Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => (-1e3, 1e5),
+        // the coldest and the hottest air that was ever measured, with the sun on the sensor
+        Channel::AmbientTemperature => (-90.0, 70.0),
     }
 }
 

@@ -1,25 +1,56 @@
 //! Laws that hold for every motion and every vehicle.
 
-use ev_energy::{OperatingPoint, Trip, Vehicle, library};
+use ev_energy::{
+    LossTable, LossTableSpec, OperatingPoint, Trip, Vehicle, VoltageCurveSpec, Weather, library,
+};
 use proptest::prelude::*;
 
 fn vehicle() -> impl Strategy<Value = Vehicle> {
     let names: Vec<_> = library::names().collect();
     // A weak battery, so that its limit is met too.
-    (proptest::sample::select(names), 0.0..1.0_f64, 0.5..1.0_f64).prop_map(
-        |(name, resistance_ohm, gear_efficiency)| {
+    let weak = (proptest::sample::select(names), 0.0..1.0_f64, 0.5..1.0_f64);
+    (weak, any::<bool>(), any::<bool>()).prop_map(
+        |((name, resistance_ohm, gear_efficiency), has_table, has_curve)| {
             let mut spec = Vehicle::builtin(name).unwrap().spec().clone();
+            spec.sources.clear();
             spec.battery.resistance_ohm = resistance_ohm;
             spec.gear_efficiency = gear_efficiency;
+            if has_table {
+                spec.motor.loss = None;
+                spec.motor.loss_table = Some(loss_table());
+            }
+            spec.battery.open_circuit_voltage_curve = has_curve.then(|| VoltageCurveSpec {
+                soc_pct: vec![0.0, 40.0, 100.0],
+                voltage_v: vec![280.0, 330.0, 390.0],
+            });
+            spec.battery.capacity_ah = Some(1.0);
             Vehicle::new(spec).unwrap()
         },
     )
+}
+
+fn loss_table() -> LossTableSpec {
+    let text = "speed_rad_s,torque_nm,loss_w\n0,-200,2000\n0,0,0\n0,250,2500\n1400,-200,4000\n1400,0,900\n1400,250,5000\n";
+    LossTableSpec {
+        file: "loss.csv".to_owned(),
+        spin_share_in_road_load: 0.0,
+        table: Some(LossTable::from_csv(text, "loss.csv").unwrap()),
+    }
 }
 
 /// Speed, slope and auxiliary power per sample; reverse and steep included.
 fn motion() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     let speed_mps = prop_oneof![Just(0.0), -5.0..50.0_f64];
     prop::collection::vec((speed_mps, -0.3..0.3_f64, 0.0..5e3_f64), 0..200)
+}
+
+fn weather() -> impl Strategy<Value = Option<Weather>> {
+    proptest::option::of((-30.0..45.0_f64, -100.0..3000.0_f64).prop_map(
+        |(temperature_degc, elevation_m)| Weather {
+            temperature_degc,
+            elevation_m,
+        },
+    ))
 }
 
 fn is_finite(point: &OperatingPoint) -> bool {
@@ -69,6 +100,7 @@ proptest! {
     #[test]
     fn the_budget_closes_and_energy_is_the_integral_of_power(
         vehicle in vehicle(), motion in motion(), step_s in 0.05..2.0_f64, constant_aux in any::<bool>(),
+        weather in weather(), soc_start_pct in proptest::option::of(0.0..100.0_f64),
     ) {
         let speed_mps: Vec<f64> = motion.iter().map(|m| m.0).collect();
         let slope_rad: Vec<f64> = motion.iter().map(|m| m.1).collect();
@@ -77,7 +109,9 @@ proptest! {
             step_s,
             speed_mps: &speed_mps,
             slope_rad: Some(&slope_rad),
-            aux_power_w: (!constant_aux).then_some(&aux_power_w),
+            extra_aux_power_w: (!constant_aux).then_some(&aux_power_w),
+            weather,
+            soc_start_pct,
         };
         let energy = vehicle.trip_energy(&trip).unwrap();
         let points: Vec<_> = vehicle.trip_points(&trip).unwrap().collect();
@@ -89,6 +123,10 @@ proptest! {
         prop_assert!(close(energy.battery_energy_j, integral_j, scale_j));
         let budget_j = energy.budget.total_j() - energy.limited.undelivered_j;
         prop_assert!(close(energy.battery_energy_j, budget_j, scale_j), "{budget_j}: {energy:?}");
+        let through_wheels_j = energy.wheel.propelled_j - energy.wheel.braked_j;
+        let budget = energy.budget;
+        let motion_j = budget.inertia_j + budget.rolling_j + budget.aero_j + budget.grade_j;
+        prop_assert!(close(through_wheels_j, motion_j, scale_j));
         let at_terminals_j = energy.battery_energy_j - energy.budget.battery_loss_j;
         prop_assert!(close(energy.terminal_energy_j, at_terminals_j, scale_j));
 

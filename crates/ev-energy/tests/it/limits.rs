@@ -7,7 +7,7 @@ fn trip(speed_mps: &[f64]) -> Trip<'_> {
         step_s: 1.0,
         speed_mps,
         slope_rad: None,
-        aux_power_w: None,
+        ..Trip::default()
     }
 }
 
@@ -99,10 +99,11 @@ fn slope_and_auxiliaries_are_means_of_two_samples() {
             step_s: 2.0,
             speed_mps: &[10.0, 10.0],
             slope_rad: Some(&[0.0, 0.02]),
-            aux_power_w: Some(&[100.0, 300.0]),
+            extra_aux_power_w: Some(&[100.0, 300.0]),
+            ..Trip::default()
         })
         .unwrap();
-    assert_eq!(energy.budget.auxiliary_j, 400.0);
+    assert_eq!(energy.budget.auxiliary_j, 2.0 * (400.0 + 200.0));
     let climb_j = 1928.0 * 9.81 * 20.0 * 0.01_f64.sin();
     assert!((energy.budget.grade_j - climb_j).abs() < 1e-6);
 }

@@ -109,7 +109,7 @@ fn cycle_totals() {
                 step_s: 1.0,
                 speed_mps: &speed_mps,
                 slope_rad: None,
-                aux_power_w: None,
+                ..Trip::default()
             };
             let energy = vehicle.trip_energy(&trip).unwrap();
             let at_wheels_j = |sign: f64| -> f64 {

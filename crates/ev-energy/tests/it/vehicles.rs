@@ -42,7 +42,7 @@ fn every_library_value_has_a_source() {
         let mut open = vec![(String::new(), &value)];
         while let Some((path, value)) = open.pop() {
             if spec.sources.contains_key(&path)
-                || ["name", "description", "sources"].contains(&path.as_str())
+                || ["name", "description", "sources", "consumption"].contains(&path.as_str())
             {
                 continue;
             }
@@ -68,6 +68,9 @@ fn coast_downs_are_converted_exactly() {
     for (name, lbf, lbf_per_mph, lbf_per_mph2, lb) in [
         ("b250e-coast-down", 31.7, 0.177, 0.0190, 4250.0),
         ("bmw-i3-60ah", 22.9, 0.346, 0.01626, 3125.0),
+        ("nissan-leaf-2013", 29.97, 0.0713, 0.02206, 3625.0),
+        ("vw-e-golf-2015", 39.36, 0.5083, 0.0125, 3625.0),
+        ("tesla-model-3-lr-2017", 38.51, -0.0811, 0.0161, 4250.0),
     ] {
         let spec = Vehicle::builtin(name).unwrap().spec().clone();
         assert_eq!(spec.mass_kg, lb * KG_PER_LB);

@@ -1,0 +1,86 @@
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::trip::{JOULES_PER_KWH, Trip};
+use crate::vehicle::Vehicle;
+
+/// A standard driving cycle on a level road, one value a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Cycle {
+    /// Urban Dynamometer Driving Schedule (40 CFR part 86, appendix I).
+    Udds,
+    /// Highway Fuel Economy Test (40 CFR part 600, appendix I).
+    Hwfet,
+    /// New European Driving Cycle (UN Regulation No. 83, annex 4a).
+    Nedc,
+}
+
+impl Cycle {
+    /// All cycles.
+    pub const ALL: [Cycle; 3] = [Cycle::Udds, Cycle::Hwfet, Cycle::Nedc];
+
+    /// Name, as vehicle files give it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Cycle::Udds => "UDDS",
+            Cycle::Hwfet => "HWFET",
+            Cycle::Nedc => "NEDC",
+        }
+    }
+
+    /// Speed at every second, m/s.
+    #[must_use]
+    pub fn speed_mps(self) -> Vec<f64> {
+        const MPS_PER_MPH: f64 = 0.44704;
+        const MPS_PER_KMH: f64 = 1.0 / 3.6;
+        let (text, mps) = match self {
+            Cycle::Udds => (include_str!("../cycles/udds.txt"), MPS_PER_MPH),
+            Cycle::Hwfet => (include_str!("../cycles/hwfet.txt"), MPS_PER_MPH),
+            Cycle::Nedc => (include_str!("../cycles/nedc.txt"), MPS_PER_KMH),
+        };
+        text.lines()
+            .filter_map(|line| line.parse::<f64>().ok())
+            .map(|speed| speed * mps)
+            .collect()
+    }
+}
+
+impl Vehicle {
+    /// Energy from the wall for a cycle, kWh per 100 km.
+    ///
+    /// # Errors
+    /// None for the cycles there are.
+    pub fn cycle_wall_kwh_per_100km(&self, cycle: Cycle) -> Result<f64, Error> {
+        let speed_mps = cycle.speed_mps();
+        let energy = self.trip_energy(&Trip {
+            step_s: 1.0,
+            speed_mps: &speed_mps,
+            ..Trip::default()
+        })?;
+        Ok(energy.wall_energy_j / JOULES_PER_KWH / (energy.distance_m / 1e5))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_have_their_length_and_distance() {
+        for (cycle, duration_s, distance_km) in [
+            (Cycle::Udds, 1369, 11.99),
+            (Cycle::Hwfet, 765, 16.51),
+            (Cycle::Nedc, 1180, 10.93),
+        ] {
+            let speed_mps = cycle.speed_mps();
+            assert_eq!(speed_mps.len() - 1, duration_s, "{}", cycle.name());
+            let distance_m: f64 = speed_mps.windows(2).map(|v| 0.5 * (v[0] + v[1])).sum();
+            assert!(
+                (distance_m / 1e3 - distance_km).abs() < 0.02,
+                "{distance_m}"
+            );
+        }
+    }
+}
