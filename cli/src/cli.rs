@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Segment(cmd::segment::SegmentArgs),
     /// Energy budget, against measured battery power where the log has it
     Energy(cmd::energy::EnergyArgs),
+    /// Fit a vehicle to measured battery power
+    Calibrate(cmd::calibrate::CalibrateArgs),
     /// Fit one model and write it to a file
     Fit(cmd::fit::FitArgs),
     /// Predict the acceleration phases of logs with a fitted model

@@ -1,5 +1,6 @@
 //! One file per subcommand: its flags and how it runs.
 
+pub(crate) mod calibrate;
 pub(crate) mod completions;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
@@ -21,6 +22,7 @@ pub(crate) fn run(command: &Command, context: &Context) -> anyhow::Result<Outcom
         Command::Inspect(args) => inspect::run(args, context),
         Command::Segment(args) => segment::run(args, context),
         Command::Energy(args) => energy::run(args, context),
+        Command::Calibrate(args) => calibrate::run(args, context),
         Command::Fit(args) => fit::run(args, context),
         Command::Predict(args) => predict::run(args, context),
         Command::Evaluate(args) => evaluate::run(args, context),

@@ -28,6 +28,7 @@ pub(crate) const EVALUATION: Page = Page {
         include_str!("report/base.js"),
         include_str!("report/page.js"),
         include_str!("report/tables.js"),
+        include_str!("report/canvas.js"),
         include_str!("report/data.js"),
         include_str!("report/scores.js"),
         include_str!("report/histograms.js"),
@@ -47,6 +48,52 @@ pub(crate) const SEGMENTATION: Page = Page {
         include_str!("report/page.js"),
         include_str!("report/tables.js"),
         include_str!("report/segments.js"),
+    ),
+};
+
+/// For the schema `drivekit/energy/1`: the flow of energy, power over time, trips and vehicles.
+pub(crate) const ENERGY: Page = Page {
+    command: "energy",
+    title: "Where the energy went",
+    contents: &[
+        ("flow", "Energy flow"),
+        ("power", "Power"),
+        ("trips", "Trips"),
+        ("vehicles", "Vehicles"),
+    ],
+    sections: include_str!("report/energy.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/canvas.js"),
+        include_str!("report/sankey.js"),
+        include_str!("report/flow.js"),
+        include_str!("report/power.js"),
+        include_str!("report/energy.js"),
+    ),
+};
+
+/// For the schema `drivekit/calibrate/1`: parameters with their intervals, errors by trip and residuals.
+pub(crate) const CALIBRATION: Page = Page {
+    command: "calibrate",
+    title: "Vehicle calibrated to measured power",
+    contents: &[
+        ("summary", "Before and after"),
+        ("parameters", "Parameters"),
+        ("sensitivity", "Sensitivity"),
+        ("correlation", "Correlation"),
+        ("trips", "Trips"),
+        ("residuals", "Residuals"),
+    ],
+    sections: include_str!("report/calibrate.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/parameters.js"),
+        include_str!("report/residuals.js"),
+        include_str!("report/calibrate.js"),
     ),
 };
 
@@ -95,7 +142,7 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [Page; 2] = [EVALUATION, SEGMENTATION];
+    const PAGES: [Page; 4] = [EVALUATION, SEGMENTATION, ENERGY, CALIBRATION];
 
     /// What a browser takes for the content of the data element.
     fn embedded(page: &str) -> &str {
@@ -133,6 +180,8 @@ mod tests {
             json!([1, 2]),
             json!("text"),
             json!({ "models": 3, "phases": { "0": null } }),
+            json!({ "totals": [null, { "budget": 1 }], "logs": { "curve": [] } }),
+            json!({ "parameters": [[], { "ci95": "all" }], "correlation": { "keys": 2 } }),
         ] {
             for page in PAGES.map(|page| page.filled(&document)) {
                 assert!(
@@ -159,9 +208,31 @@ mod tests {
             "provenance",
         ];
         let segmentation = ["headline", "table", "figures", "findings", "provenance"];
+        let energy = [
+            "headline",
+            "flow",
+            "power",
+            "trips",
+            "vehicles",
+            "findings",
+            "provenance",
+        ];
+        let calibration = [
+            "headline",
+            "summary",
+            "parameters",
+            "sensitivity",
+            "correlation",
+            "trips",
+            "residuals",
+            "findings",
+            "provenance",
+        ];
         for (page, sections) in [
             (EVALUATION.filled(&json!({})), &evaluation[..]),
             (SEGMENTATION.filled(&json!({})), &segmentation),
+            (ENERGY.filled(&json!({})), &energy),
+            (CALIBRATION.filled(&json!({})), &calibration),
         ] {
             let place = |id: &&str| {
                 page.find(&format!("id=\"{id}\""))

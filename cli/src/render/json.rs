@@ -12,7 +12,7 @@ pub(crate) struct Document<'a, C, B> {
     config: &'a C,
     inputs: Vec<InputEntry<'a>>,
     #[serde(flatten)]
-    body: B,
+    pub(crate) body: B,
 }
 
 impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {

@@ -268,7 +268,7 @@ fn energy_j(vehicle: &Vehicle, curve: &PhaseCurve, speed_mps: &[f64]) -> Result<
         step_s: curve.outline().step_s,
         speed_mps: &forward,
         slope_rad: curve.slope_rad(),
-        aux_power_w: None,
+        ..ev_energy::Trip::default()
     })?;
     Ok(energy.battery_energy_j)
 }

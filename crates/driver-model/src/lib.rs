@@ -61,7 +61,11 @@ pub mod synth;
 mod tally;
 mod trip;
 
-pub use energy::{DriveEnergy, EnergyStep, drive_energy};
+pub use energy::{
+    Auxiliaries, CalibrationReport, CalibrationScore, CalibrationTripScore, DriveEnergy,
+    EnergyStep, EnergyTotals, Measured, PowerCurve, ResidualBin, Residuals, SlopeEffect,
+    SlopeSource, calibrate_vehicle, drive_energy, slope_rad,
+};
 pub use error::Error;
 pub use evaluate::{
     EnergyError, EvaluatedPhase, Evaluation, EvaluationSettings, Fold, GroupSummary, Summary,
@@ -78,4 +82,4 @@ pub use statistical::{
     Method, Optimality, Scaling, Segmented, Segments, StatisticalRules, dead_banded,
 };
 pub use stream::{PhaseStream, Reading, StreamedPhase};
-pub use trip::{PhaseSettings, Trip, slope_rad};
+pub use trip::{PhaseSettings, Trip};

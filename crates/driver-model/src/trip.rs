@@ -1,6 +1,7 @@
-use drive_log::{Channel, Drive, DriveLog};
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_elevation};
+use drive_log::{Drive, DriveLog};
+use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
+use crate::energy::slope_rad;
 use crate::{Error, HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules};
 
 /// How phases are found in a drive, and which of them count.
@@ -105,24 +106,4 @@ impl Trip {
         );
         Ok(())
     }
-}
-
-/// Slope at every sample: as recorded, else from elevation over distance, else `None`. Unknown stretches count as level.
-///
-/// # Errors
-/// [`Error::Energy`] for a bandwidth that is not above 0.
-pub fn slope_rad(log: &DriveLog, bandwidth_m: f64) -> Result<Option<Vec<f64>>, Error> {
-    let mut slope = if let Some(slope) = log.channel(Channel::Slope) {
-        slope.to_vec()
-    } else if let Some(elevation_m) = log.channel(Channel::Elevation) {
-        slope_from_elevation(&log.distance_m(), elevation_m, bandwidth_m)?
-    } else {
-        return Ok(None);
-    };
-    for value in &mut slope {
-        if !value.is_finite() {
-            *value = 0.0;
-        }
-    }
-    Ok(Some(slope))
 }

@@ -10,7 +10,7 @@ const REFERENCE_DEGC: f64 = 20.0;
 const WINTER_DEGC: f64 = 7.0;
 
 /// From here up it is not wintry at all, °C.
-const SUMMER_DEGC: f64 = 15.0;
+pub(crate) const SUMMER_DEGC: f64 = 15.0;
 
 /// Weather section of a vehicle file: what rolling resistance does with the temperature.
 ///

@@ -1,7 +1,8 @@
 'use strict';
 
-// What the pages share. A page draws itself from the JSON document inside it: SI units in the document, km/h and kJ on
-// the page. Whatever the document says is inserted as text, never as markup. NaN stands for "not defined" throughout.
+// What the pages share. A page draws itself from the JSON document inside it: SI units in the document, km/h, kW, kJ and
+// kWh on the page. Whatever the document says is inserted as text, never as markup. NaN stands for "not defined"
+// throughout.
 
 const TALL_ROWS = 14;
 const SVG_NAMESPACE = 'http://www.w3.org/2000/svg';
@@ -14,6 +15,8 @@ const list = (value) => (Array.isArray(value) ? value : []);
 const object = (value) => (value !== null && typeof value === 'object' && !Array.isArray(value) ? value : {});
 const member = (value, key) => (Object.hasOwn(object(value), key) ? value[key] : undefined);
 const kmh = (speedMps) => number(speedMps) * 3.6;
+const kilowatts = (powerW) => number(powerW) / 1000;
+const kwh = (energyJ) => number(energyJ) / 3.6e6;
 
 /** What every document of drivekit has. */
 function readFrame(doc, keys) {

@@ -2,7 +2,6 @@
 
 const SCHEMA = 'drivekit/energy/1';
 const SCHEMA_KEYS = ['schema', 'version', 'config', 'inputs', 'totals', 'logs'];
-const JOULES_PER_KWH = 3.6e6;
 
 /** The terms of the budget in the order of the flow, each with the part of the car that it leaves. */
 const TERMS = [
@@ -17,18 +16,12 @@ const TERMS = [
   { key: 'friction_brake_j', name: 'Friction brakes', part: 'wheels', colour: '--series-4' },
 ];
 
-const kwh = (energyJ) => number(energyJ) / JOULES_PER_KWH;
-const kilowatts = (powerW) => number(powerW) / 1000;
 const sumOf = (values) => values.reduce((sum, value) => sum + value, 0);
 
 function readEnergy(source) {
   const doc = object(source);
   const logs = list(doc.logs).map(readEntry);
   const totals = list(doc.totals).map(readEntry);
-  for (const total of totals) {
-    const parts = logs.filter((log) => log.vehicle === total.vehicle);
-    total.brakedJ = parts.length > 0 ? sumOf(parts.map((log) => log.brakedJ)) : NaN;
-  }
   return { ...readFrame(doc, SCHEMA_KEYS), logs, totals };
 }
 
@@ -73,13 +66,15 @@ function readCurve(source) {
     timeS,
     speed: along(raw.speed_mps, kmh),
     modelled: along(raw.modelled_w, kilowatts),
-    measured: Array.isArray(raw.measured_w) ? along(raw.measured_w, kilowatts) : null,
+    measured: list(raw.measured_w).some(Number.isFinite) ? along(raw.measured_w, kilowatts) : null,
   };
 }
 
-const perKm = (energyJ, entry) => (entry.distanceM > 0 ? energyJ / 3.6 / (entry.distanceM / 1000) : NaN);
+const perKm = (energyJ, entry) => (entry.distanceM > 0 ? energyJ / 3600 / (entry.distanceM / 1000) : NaN);
 const percentOf = (part, whole) => (whole > 0 ? (100 * part) / whole : NaN);
 const severalVehicles = (report) => new Set([...report.logs, ...report.totals].map((entry) => entry.vehicle)).size > 1;
+
+const entryName = (entry) => [entry.name, entry.vehicle].filter((part) => part !== '').join(' · ') || 'Not named';
 
 /** Totals and trips as choices of a list. */
 function entryGroups(totals, trips, several) {
@@ -112,7 +107,7 @@ function tripTable(report) {
     { label: 'Power RMSE', unit: 'kW', value: (e) => kilowatts(e.rmseW), digits: 2 },
     { label: 'On slope', unit: '%', value: slopePct, digits: 1 },
     { label: 'Slope from', value: (e) => e.slopeSource },
-    { label: 'Auxiliaries from', value: auxiliaries },
+    { label: 'Auxiliaries from', value: auxiliaries, wraps: true },
   ];
   return sortableTable('Results by trip', columns, report.logs);
 }
@@ -148,7 +143,8 @@ function vehicleTable(totals) {
     const nodes = [fixed(base, digits), ...cells].map((cell) => el('td', {}, cell));
     return el('tr', {}, el('th', { scope: 'row' }, label), ...nodes);
   };
-  return tableBox('Vehicles compared', [el('tr', {}, heading('', 'corner'), ...names)], [el('tbody', {}, ...MEASURES.map(row))]);
+  const head = el('tr', {}, heading('', 'corner'), ...names);
+  return tableBox('Vehicles compared', [head], [el('tbody', {}, ...MEASURES.map(row))]);
 }
 
 function compareVehicles(report) {
@@ -161,8 +157,9 @@ function compareVehicles(report) {
 // ---------------------------------------------------------------- main
 
 function verdict(total) {
-  const tripwise = Number.isFinite(total.meanErrorPct) ? `, and ${quantity(total.meanErrorPct, 1, '%')} off on average per trip` : '';
   if (!Number.isFinite(total.errorPct)) return 'There is no measured power to compare with.';
+  const average = quantity(total.meanErrorPct, 1, '%');
+  const tripwise = Number.isFinite(total.meanErrorPct) ? `, and ${average} off on average per trip` : '';
   const direction = total.errorPct < 0 ? 'below' : 'above';
   return `The model is ${quantity(Math.abs(total.errorPct), 1, '%')} ${direction} the measured energy${tripwise}.`;
 }
@@ -170,14 +167,19 @@ function verdict(total) {
 function introduce(report) {
   byId('version').append(report.version);
   const [total] = report.totals;
-  if (total === undefined) return byId('headline').append(`${plural(report.logs.length, 'result')}, without totals.`);
-  const uses = TERMS.map((term) => ({ term, energyJ: number(total.budget[term.key]) })).filter(({ energyJ }) => energyJ > 0);
-  const most = uses.reduce((best, use) => (best === null || use.energyJ > best.energyJ ? use : best), null);
-  const largest = most ? ` The largest use is ${most.term.name.toLowerCase()}, ${quantity(kwh(most.energyJ), 2, 'kWh')}.` : '';
+  byId('facts').hidden = total === undefined;
+  if (total === undefined) {
+    byId('headline').append(`${plural(report.logs.length, 'result')}, without totals.`);
+    return;
+  }
+  const energy = (term) => number(total.budget[term.key]);
+  const [most] = sortRows(TERMS, energy, true).filter((term) => energy(term) > 0);
+  const largest = most ? ` The largest use is ${most.name.toLowerCase()}, ${quantity(kwh(energy(most)), 2, 'kWh')}.` : '';
   const trips = `${plural(total.trips, 'trip')} over ${quantity(total.distanceM / 1000, 1, 'km')}`;
   const others = report.totals.length > 1 ? `, the first of ${plural(report.totals.length, 'vehicle')}` : '';
   const consumption = `${quantity(total.consumption, 2, 'kWh')} per 100\u00a0km at the battery terminals`;
-  byId('headline').append(`${trips} with ${total.vehicle || 'the vehicle'}${others}: ${consumption}.${largest} ${verdict(total)}`);
+  const vehicle = total.vehicle || 'the vehicle';
+  byId('headline').append(`${trips} with ${vehicle}${others}: ${consumption}.${largest} ${verdict(total)}`);
   byId('facts').append(
     fact('Trips', fixed(total.trips, 0)),
     fact('Distance', fixed(total.distanceM / 1000, 1), 'km'),
@@ -186,7 +188,6 @@ function introduce(report) {
     fact('Error', signed(total.errorPct, 1), '%'),
     fact('Median power RMSE', fixed(kilowatts(total.rmseW), 2), 'kW'),
   );
-  return undefined;
 }
 
 function main() {

@@ -6,15 +6,16 @@ const UNITS = [
   { label: 'Wh/km', of: (energyJ, entry) => perKm(energyJ, entry), digits: () => 1 },
 ];
 
-/** The terms of the budget as uses of energy, or, where they are below zero, as energy that comes in. */
+/** The uses of energy, then what comes in: the terms of the budget that are below zero, by more than rounding. */
 function budgetUses(entry) {
   const uses = TERMS.map((term) => {
     const energyJ = number(entry.budget[term.key]) || 0;
-    const inward = energyJ < 0;
-    return { ...term, energyJ: Math.abs(energyJ), inward, name: inward ? (term.inflow ?? `${term.name}, negative`) : term.name };
+    const inward = energyJ < -1;
+    const name = inward ? (term.inflow ?? `${term.name}, negative`) : term.name;
+    return { ...term, name, inward, energyJ: Math.abs(energyJ) };
   });
-  if (!(entry.undeliveredJ > 0)) return uses;
-  return [...uses, { key: 'undelivered_j', name: 'Not delivered', part: 'drive', energyJ: entry.undeliveredJ, inward: true }];
+  if (entry.undeliveredJ > 0) uses.push({ name: 'Not delivered', part: 'drive', inward: true, energyJ: entry.undeliveredJ });
+  return [...uses.filter((use) => !use.inward), ...uses.filter((use) => use.inward)];
 }
 
 /**
@@ -60,17 +61,18 @@ function flowTable(entry) {
   const row = ([name, energyJ]) => el('tr', {}, el('th', { scope: 'row' }, name), ...cells(energyJ));
   const group = (title, rows) =>
     el('tbody', {}, el('tr', {}, el('th', { scope: 'rowgroup', colspan: UNITS.length + 2 }, title)), ...rows.map(row));
-  const side = (inward) => flow.uses.filter((use) => Boolean(use.inward) === inward).map((use) => [use.name, use.energyJ]);
+  const side = (inward) => flow.uses.filter((use) => use.inward === inward).map((use) => [use.name, use.energyJ]);
   const withSum = (rows) => [...rows, ['Sum', sumOf(rows.map(([, energyJ]) => energyJ))]];
   const charged = flow.cellsJ < 0;
   const cameIn = [...(charged ? [] : [['From the cells, net', flow.cellsJ]]), ...side(true)];
   const wasUsed = [...(charged ? [['Into the cells, net', -flow.cellsJ]] : []), ...side(false)];
-  const [[out, returned], [driving, braking]] = [flow.links.battery, flow.links.drive].map((pair) => pair.map((link) => link.energyJ));
+  const [out, returned] = flow.links.battery;
+  const [driving, braking] = flow.links.drive;
   const passed = [
-    ['Out of the battery, at its terminals', out],
-    ['From the motor to the wheels', driving],
-    ['From the wheels to the motor', braking],
-    ['Into the battery, at its terminals', returned],
+    ['Out of the battery', out.energyJ],
+    ['Motor to wheels', driving.energyJ],
+    ['Wheels to motor', braking.energyJ],
+    ['Regenerated', returned.energyJ],
   ];
   const head = [heading('', 'corner'), ...UNITS.map((unit) => heading(unit.label)), heading('Share, %')];
   return tableBox('Energy flow', [el('tr', {}, ...head)], [
@@ -87,23 +89,24 @@ function flowCaption(entry) {
   if (Number.isFinite(entry.trips)) parts.unshift(plural(entry.trips, 'trip'));
   if (Number.isFinite(entry.ambientC)) parts.push(`${quantity(entry.ambientC, 1, '°C')} outside`);
   const [start, end] = entry.socPct;
-  if (Number.isFinite(start + end)) parts.push(`state of charge from ${fixed(start, 1)} to ${quantity(end, 1, '%')}`);
-  const limited =
-    entry.undeliveredJ > 0
-      ? ` For ${quantity(entry.limitedS, 1, 's')} the motion asked for more than the car can give; what was not delivered counts as coming in.`
-      : '';
-  const unknown = Number.isNaN(entry.brakedJ)
-    ? ' The document does not say what passed the wheels (wheel): losses between wheels and battery while braking are left out.'
-    : '';
-  return `${[entry.name, entry.vehicle].filter((name) => name !== '').join(' · ') || 'Trip not named'}: ${parts.join(', ')}.${limited}${unknown}`;
+  if (Number.isFinite(start + end)) parts.push(`state of charge by the model from ${fixed(start, 1)} to ${quantity(end, 1, '%')}`);
+  const remarks = [`${entryName(entry)}: ${parts.join(', ')}.`];
+  if (entry.undeliveredJ > 0) {
+    const time = quantity(entry.limitedS, 1, 's');
+    remarks.push(`For ${time} the motion asked for more than the car can give; what was not delivered counts as coming in.`);
+  }
+  if (Number.isNaN(entry.brakedJ))
+    remarks.push('Losses from the wheels to the battery are left out: the document does not say what passed the wheels (wheel).');
+  return remarks.join(' ');
 }
 
 /** Builds the section; gives what draws it anew. */
 function flowSection(report) {
-  const groups = entryGroups(report.totals, report.logs, severalVehicles(report));
+  const known = (entry) => TERMS.some((term) => Number.isFinite(number(entry.budget[term.key])));
+  const groups = entryGroups(report.totals.filter(known), report.logs.filter(known), severalVehicles(report));
   const first = groups.flatMap(([, members]) => members)[0];
   if (first === undefined) {
-    byId('flow-body').append(note('The document has no totals and no logs.'));
+    byId('flow-body').append(note('The document has no energy budgets.'));
     return () => {};
   }
   const shown = { entry: first.entry, unit: UNITS[0] };

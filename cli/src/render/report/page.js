@@ -16,7 +16,7 @@ function problems(report, schema) {
 /** A choice of one, the first at first, from `choices` with a `label` each. */
 function radios(legend, name, choices, onPick) {
   const chips = choices.map((choice, index) => {
-    const input = el('input', { type: 'radio', name, ...(index === 0 ? { checked: '' } : {}) });
+    const input = el('input', { type: 'radio', name, autocomplete: 'off', ...(index === 0 ? { checked: '' } : {}) });
     input.addEventListener('change', () => onPick(choice));
     return el('label', { class: 'chip' }, input, choice.label);
   });
@@ -29,7 +29,7 @@ function picklist(label, groups, onPick) {
   const option = (choice) => el('option', { value: choices.indexOf(choice) }, choice.label);
   const filled = groups.filter(([, members]) => members.length > 0);
   const nodes = filled.map(([name, members]) => el('optgroup', { label: name }, ...members.map(option)));
-  const select = el('select', {}, ...nodes);
+  const select = el('select', { autocomplete: 'off' }, ...nodes);
   select.addEventListener('change', () => onPick(choices[select.value]));
   return el('label', { class: 'picklist' }, el('span', {}, label), select);
 }

@@ -21,7 +21,7 @@ function showTrip(chart, entry) {
   chart.all = { from: timeS[0], to: timeS[timeS.length - 1] };
   chart.view = chart.all;
   chart.index = -1;
-  chart.canvas.setAttribute('aria-label', `Modelled and measured power at the battery terminals and speed over time: ${entry.name}`);
+  chart.canvas.setAttribute('aria-label', `Modelled and measured power, and speed, over time: ${entryName(entry)}`);
 }
 
 /** Shows a stretch of time, at least two seconds of it, moved and cut such that it lies within the trip. */
@@ -30,6 +30,7 @@ function viewTime(chart, from, to) {
   const span = Math.min(Math.max(to - from, 2), all.to - all.from);
   const start = Math.min(Math.max(from, all.from), all.to - span);
   chart.view = { from: start, to: start + span };
+  pointAt(chart, null);
   drawPowerChart(chart);
 }
 
@@ -119,7 +120,8 @@ function drawTimeAxis(context, palette, scales, view) {
   context.textAlign = 'center';
   context.strokeStyle = palette.colour('--grid');
   context.beginPath();
-  for (const { value, label } of ticks(view.from / unitS, view.to / unitS, Math.max(3, (boxes.speed.right - boxes.speed.left) / 60))) {
+  const count = Math.max(3, (boxes.speed.right - boxes.speed.left) / 60);
+  for (const { value, label } of ticks(view.from / unitS, view.to / unitS, count)) {
     for (const box of Object.values(boxes)) {
       context.moveTo(x(value * unitS), box.top);
       context.lineTo(x(value * unitS), box.bottom);
@@ -148,8 +150,8 @@ function strokeOverTime(context, times, values, [first, last], x, y) {
   for (let start = first; start < last; start += stride) {
     let [least, most] = [start, start];
     for (let index = start; index < Math.min(start + stride, last); index += 1) {
-      if (!(values[index] >= values[least])) least = index;
-      if (!(values[index] <= values[most])) most = index;
+      if (values[index] < values[least] || Number.isNaN(values[least])) least = index;
+      if (values[index] > values[most] || Number.isNaN(values[most])) most = index;
     }
     point(Math.min(least, most));
     if (least !== most) point(Math.max(least, most));
@@ -311,7 +313,7 @@ const curveLegend = (measured) =>
 function powerCaption(entry) {
   const { measured } = entry.curve;
   const error = `Energy error ${signed(entry.errorPct, 1)}\u00a0%, power RMSE ${quantity(kilowatts(entry.rmseW), 2, 'kW')}.`;
-  return `${entry.name || 'Trip not named'} · ${entry.vehicle}. ${measured ? error : 'The trip has no measured power.'}`;
+  return `${entryName(entry)}. ${measured ? error : 'The trip has no measured power.'}`;
 }
 
 /** Builds the section; gives what draws it anew. */
@@ -338,8 +340,8 @@ function powerSection(report) {
     ['Show all', 'Show all', () => showAll(chart)],
   ]);
   const groups = entryGroups([], trips, severalVehicles(report));
-  byId('power-controls').append(picklist('Trip', groups, pick), buttons);
-  byId('power-body').append(legend, el('figure', {}, chart.plot, caption));
+  byId('power-controls').append(picklist('Trip', groups, pick));
+  byId('power-body').append(buttons, legend, el('figure', {}, chart.plot, caption));
   pick({ entry: trips[0] });
   return () => drawPowerChart(chart);
 }

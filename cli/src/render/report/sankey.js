@@ -6,18 +6,18 @@ const PART_NAMES = { battery: 'Battery', drive: 'Motor and gear', wheels: 'Wheel
 /** The columns of the parts, and pixels per joule, such that the tallest part has `FLOW.largest`. */
 function flowFrame(flow, width) {
   const narrow = width < 620;
-  const right = width - (narrow ? 98 : 160);
+  const right = width - (narrow ? 106 : 160);
   const links = Object.values(flow.links).map((pair) => sumOf(pair.map((link) => link.energyJ)));
   return {
     narrow,
     right,
     slot: (narrow ? 3 : 2) * FLOW.line + 4,
-    columns: { battery: 0, drive: right * (narrow ? 0.42 : 0.38), wheels: right * (narrow ? 0.82 : 0.76) },
+    columns: { battery: 0, drive: right * (narrow ? 0.46 : 0.38), wheels: right * (narrow ? 0.84 : 0.76) },
     perJoule: FLOW.largest / (Math.max(flow.totalJ, ...links) || 1),
   };
 }
 
-/** Heights at the right-hand ends: for each part its uses, and below all of them what comes in, for the last part first. */
+/** Heights at the right-hand ends, part by part, and of the parts, each of which begins at the height of its first use. */
 function rightEnds(flow, frame) {
   const [ends, tops] = [new Map(), {}];
   let y = 0;
@@ -29,18 +29,17 @@ function rightEnds(flow, frame) {
   };
   for (const part of PARTS) {
     y += FLOW.title;
-    const uses = flow.uses.filter((use) => use.part === part && !use.inward);
+    const uses = flow.uses.filter((use) => use.part === part);
     const start = y;
     uses.forEach(place);
     tops[part] = ends.get(uses[0]) ?? start;
   }
-  for (const part of [...PARTS].reverse()) flow.uses.filter((use) => use.part === part && use.inward).forEach(place);
   return { ends, tops, bottom: y };
 }
 
 /**
- * All bands, and the height of each part. At the right of a part leave, from above, its uses, the band to the next part and
- * the band back from it, and what comes in from outside.
+ * All bands, and how far each part reaches. At the right of a part there are, from above, its uses, what comes in from outside,
+ * the band to the next part, and the band back from it.
  */
 function flowLayout(flow, width) {
   const frame = flowFrame(flow, width);
@@ -56,8 +55,7 @@ function flowLayout(flow, width) {
       bands.push({ item, x0, y0: y, x1, y1, height, inner: x1 !== frame.right });
       y += height;
     };
-    const own = flow.uses.filter((use) => use.part === span.part);
-    own.filter((use) => !use.inward).forEach((use) => add(use, frame.right, ends.get(use)));
+    flow.uses.filter((use) => use.part === span.part).forEach((use) => add(use, frame.right, ends.get(use)));
     let landing = next?.top;
     for (const link of next ? flow.links[span.part] : []) {
       add(link, next.x, landing);
@@ -67,7 +65,6 @@ function flowLayout(flow, width) {
       landing += room;
       if (!link.inward) y += room;
     }
-    own.filter((use) => use.inward).forEach((use) => add(use, frame.right, ends.get(use)));
     span.bottom = Math.max(span.bottom, y);
   });
   const lowest = bands.map((band) => band.y1 + band.height + (band.inner ? labelRoom(band, frame) : 0));
@@ -108,7 +105,8 @@ function bandLabel(band, lines, frame) {
 
 function partNodes({ part, x, top, bottom }, remark) {
   const node = svg('rect', { class: 'part', x, y: top, width: FLOW.node, height: bottom - top });
-  return [node, svg('text', { class: 'name', x, y: top - 7 }, PART_NAMES[part], svg('tspan', { class: 'amount', dx: 8 }, remark))];
+  const amount = svg('tspan', { class: 'amount', dx: 8 }, remark);
+  return [node, svg('text', { class: 'name', x, y: top - 7 }, PART_NAMES[part], amount)];
 }
 
 function flowPicture(entry, unit, width) {
@@ -121,9 +119,10 @@ function flowPicture(entry, unit, width) {
   const label = (band) => [name(band), ...(frame.narrow ? amount(band.item) : [amount(band.item).join(' · ')])];
   const told = bands.map((band) => `${name(band)} ${amount(band.item).join(', ')}`);
   const net = flow.cellsJ < 0 ? value(flow.cellsJ) : amount({ energyJ: flow.cellsJ }).join(' · ');
+  const size = { viewBox: `0 0 ${width} ${height}`, width, height };
   return svg(
     'svg',
-    { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'aria-label': `Energy flow. ${told.join('; ')}.` },
+    { ...size, class: frame.narrow ? 'narrow' : '', role: 'img', 'aria-label': `Energy flow. ${told.join('; ')}.` },
     ...bands.filter(({ item }) => item.energyJ > 0).map((band) => bandNode(band, told[bands.indexOf(band)])),
     ...spans.flatMap((span) => partNodes(span, span.part === 'battery' ? `net ${net}` : '')),
     ...bands.flatMap((band) => bandLabel(band, label(band), frame)),

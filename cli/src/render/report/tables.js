@@ -34,14 +34,15 @@ function sortRows(rows, key, descending) {
   });
 }
 
-/** A table that its headings sort, in the order of `rows` at first. Columns without `digits` are text; the first is the name. */
+/** A table that its headings sort, in the order of `rows` at first. Columns without `digits` are text, the first is the name. */
 function sortableTable(label, columns, rows) {
-  const cell = ({ value, digits }, row) =>
-    digits === undefined ? el('td', { class: 'text' }, value(row) || '–') : el('td', {}, fixed(value(row), digits));
+  const shown = ({ value, digits }, row) => (digits === undefined ? value(row) || '–' : fixed(value(row), digits));
+  const kind = ({ digits, wraps }) => [...(digits === undefined ? ['text'] : []), ...(wraps ? ['wrap'] : [])].join(' ');
+  const cell = (column, row) => el('td', { class: kind(column) }, shown(column, row));
   const [name, ...others] = columns;
   const built = rows.map((row) => {
     const cells = others.map((column) => cell(column, row));
-    return { row, node: el('tr', {}, el('th', { scope: 'row' }, name.value(row)), ...cells) };
+    return { row, node: el('tr', {}, el('th', { scope: 'row' }, shown(name, row)), ...cells) };
   });
   const body = el('tbody', {}, ...built.map(({ node }) => node));
   const headings = columns.map((column, index) => {
@@ -49,7 +50,7 @@ function sortableTable(label, columns, rows) {
       const descending = markSorted(headings, node, false);
       body.append(...sortRows(built, ({ row }) => column.value(row), descending).map((one) => one.node));
     });
-    node.className = [index === 0 ? 'corner' : '', column.digits === undefined ? 'text' : ''].join(' ').trim();
+    node.className = index === 0 ? 'text corner' : kind(column);
     return node;
   });
   return tableBox(label, [el('tr', {}, ...headings)], [body], rows.length > TALL_ROWS);

@@ -224,7 +224,7 @@ fn volts_times_amps_is_what_the_vehicle_model_says() {
                 step_s: log.step_s(),
                 speed_mps: log.speed_mps(),
                 slope_rad: log.channel(Channel::Slope),
-                aux_power_w: None,
+                ..ev_energy::Trip::default()
             })
             .unwrap();
         // Samples against steps: the two differ where acceleration jumps.

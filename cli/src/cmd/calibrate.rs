@@ -1,0 +1,194 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use drive_log::Drive;
+use driver_model::{CalibrationReport, CalibrationScore, calibrate_vehicle};
+use ev_energy::{ParameterEstimate, VehicleSpec};
+use serde::Serialize;
+
+use super::phases::vehicle;
+use crate::exit::Outcome;
+use crate::flags::{Context, Format, LogArgs};
+use crate::inputs;
+use crate::output;
+use crate::progress::Progress;
+use crate::render::html;
+use crate::render::json::Document;
+use crate::render::table::{Table, number};
+
+/// Fit a vehicle to measured battery power, and say how far to trust it
+///
+/// Mass, road load, auxiliaries, losses and limits of regeneration are fitted within bounds to volts times amps. Every trip weighs
+/// the same. Each trip is then held out once and predicted by a vehicle that is fitted to the others: that error is what to expect
+/// of the next trip. The result is a vehicle file for `--vehicle` of every other subcommand.
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit calibrate logs/ --vehicle bmw-i3-60ah -o my-i3.toml
+  drivekit calibrate logs/*.csv --vehicle my-car.toml -o better.toml --report calibration.html")]
+pub(crate) struct CalibrateArgs {
+    #[command(flatten)]
+    #[serde(flatten)]
+    logs: LogArgs,
+    /// Vehicle to start from: a built-in name (see `drivekit vehicle list`) or a TOML file
+    #[arg(long, value_name = "NAME|FILE")]
+    vehicle: String,
+    /// Slopes are smoothed over this distance to either side, in m
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    slope_bandwidth: f64,
+    /// Vehicle file to write
+    #[arg(long, short, value_name = "FILE.toml")]
+    #[serde(skip)]
+    output: PathBuf,
+    /// Write one self-contained page with tables and pictures
+    #[arg(long, value_name = "FILE.html")]
+    #[serde(skip)]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Outcome> {
+    let start = vehicle(&args.vehicle)?;
+    output::check_file_place(&args.output)?;
+    if let Some(path) = &args.report {
+        output::check_file_place(path)?;
+    }
+    let inputs = inputs::load(&args.logs, context)?;
+    let drives: Vec<&Drive> = inputs.iter().map(|input| &input.drive).collect();
+    let progress = Progress::new(context, "fitting", drives.len() + 1);
+    let report = calibrate_vehicle(&drives, &start, args.slope_bandwidth, &|| progress.step())?;
+    drop(progress);
+    for name in &report.unmeasured {
+        output::note(context, &format!("{name} has no volts and amps; left out"));
+    }
+
+    let file = named_after(&args.output, report.vehicle.spec(), report.trips.len()).to_toml()?;
+    output::write_file(&args.output, |out| Ok(out.write_all(file.as_bytes())?))?;
+    output::note(
+        context,
+        &format!("vehicle written to {}", args.output.display()),
+    );
+    let document = Document::new(
+        "calibrate",
+        args,
+        &inputs,
+        Body {
+            vehicle: &start.spec().name,
+            report: &report,
+        },
+    );
+    if let Some(path) = &args.report {
+        let page = html::CALIBRATION.filled(&serde_json::to_value(&document)?);
+        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+        output::note(context, &format!("report written to {}", path.display()));
+    }
+    match context.format {
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&text(&report))?,
+    }
+    Ok(Outcome::Done)
+}
+
+#[derive(Serialize)]
+struct Body<'a> {
+    vehicle: &'a str,
+    #[serde(flatten)]
+    report: &'a CalibrationReport,
+}
+
+/// The vehicle with the name of its file.
+fn named_after(file: &Path, spec: &VehicleSpec, trips: usize) -> VehicleSpec {
+    let mut spec = spec.clone();
+    spec.description = format!("{}, calibrated to {trips} trips", spec.description);
+    if let Some(stem) = file.file_stem() {
+        spec.name = stem.to_string_lossy().into_owned();
+    }
+    spec
+}
+
+fn text(report: &CalibrationReport) -> String {
+    let mut text = parameters(&report.parameters).render();
+    let mut scores = Table::new([
+        "all trips",
+        "mean |error| %",
+        "total %",
+        "median power RMSE kW",
+    ]);
+    for (name, score) in [
+        ("before", &report.summary.start),
+        ("fitted to all", &report.summary.fitted),
+        ("each held out", &report.summary.held_out),
+    ] {
+        scores.row(score_row(name, score));
+    }
+    let _ = write!(text, "\n{}", scores.render());
+    let mut trips = Table::new([
+        "trip",
+        "°C",
+        "measured kWh",
+        "before %",
+        "fitted %",
+        "held out %",
+        "held-out RMSE kW",
+    ]);
+    for trip in &report.trips {
+        trips.row([
+            trip.name.clone(),
+            number(trip.ambient_degc, 1),
+            number(
+                trip.measured_terminal_energy_j / ev_energy::JOULES_PER_KWH,
+                3,
+            ),
+            number(trip.start_error_pct, 1),
+            number(trip.fitted_error_pct, 1),
+            number(trip.held_out_error_pct, 1),
+            number(trip.held_out_power_rmse_w.map(|w| w / 1e3), 2),
+        ]);
+    }
+    let _ = write!(text, "\n{}", trips.render());
+    text
+}
+
+/// The parameters, those with the largest effect first.
+fn parameters(estimates: &[ParameterEstimate]) -> Table {
+    let mut table = Table::new([
+        "parameter",
+        "unit",
+        "before",
+        "fitted",
+        "95 % from",
+        "to",
+        "+10 % does W",
+        "remark",
+    ]);
+    let mut sorted: Vec<&ParameterEstimate> = estimates.iter().collect();
+    sorted.sort_by(|a, b| b.sensitivity_w.total_cmp(&a.sensitivity_w));
+    for estimate in sorted {
+        let digits = digits(estimate.upper - estimate.lower);
+        table.row([
+            estimate.key.to_owned(),
+            estimate.unit.to_owned(),
+            number(estimate.start, digits),
+            number(estimate.value, digits),
+            number(estimate.ci95.map(|ci| ci[0]), digits),
+            number(estimate.ci95.map(|ci| ci[1]), digits),
+            number(estimate.sensitivity_w, 0),
+            estimate.remark.clone(),
+        ]);
+    }
+    table
+}
+
+/// Decimals that show a thousandth of a range.
+fn digits(range: f64) -> usize {
+    (3.0 - range.log10()).clamp(0.0, 6.0) as usize
+}
+
+fn score_row(name: &str, score: &CalibrationScore) -> [String; 4] {
+    [
+        name.to_owned(),
+        number(score.mean_abs_error_pct, 2),
+        number(score.total_error_pct, 2),
+        number(score.median_power_rmse_w.map(|w| w / 1e3), 2),
+    ]
+}

@@ -1,0 +1,145 @@
+mod text;
+mod trace;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use driver_model::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
+use ev_energy::Vehicle;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::cmd::phases::vehicle;
+use crate::exit::Outcome;
+use crate::flags::{Context, Format, LogArgs};
+use crate::inputs::{self, Input};
+use crate::output;
+use crate::render::html;
+use crate::render::json::Document;
+
+/// Where the energy of drives went, against measured battery power where the log has it
+///
+/// With several vehicles, what each of them would have used on the same drives.
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit energy logs/ --vehicle bmw-i3-60ah --report energy.html
+  drivekit energy drive.csv --vehicle my-car.toml --trace power.csv
+  drivekit energy logs/ --vehicle bmw-i3-60ah --vehicle vw-id3      what another car would have used")]
+pub(crate) struct EnergyArgs {
+    #[command(flatten)]
+    #[serde(flatten)]
+    logs: LogArgs,
+    /// Vehicle: a built-in name (see `drivekit vehicle list`) or a TOML file; give it again to compare
+    #[arg(long, required = true, value_name = "NAME|FILE")]
+    vehicle: Vec<String>,
+    /// Slopes are smoothed over this distance to either side, in m
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    slope_bandwidth: f64,
+    /// Write every term of every step, of one log and one vehicle
+    #[arg(long, value_name = "FILE.csv")]
+    #[serde(skip)]
+    trace: Option<PathBuf>,
+    /// Write one self-contained page with the flow of energy and power over time
+    #[arg(long, value_name = "FILE.html")]
+    #[serde(skip)]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcome> {
+    let vehicles: Vec<Vehicle> = args
+        .vehicle
+        .iter()
+        .map(|name| vehicle(name))
+        .collect::<anyhow::Result<_>>()?;
+    for path in [&args.trace, &args.report].into_iter().flatten() {
+        output::check_file_place(path)?;
+    }
+    let inputs = inputs::load(&args.logs, context)?;
+    if let Some(path) = &args.trace {
+        let ([input], [vehicle]) = (&inputs[..], &vehicles[..]) else {
+            anyhow::bail!(
+                "--trace writes one log and one vehicle, {} and {} were given; name one of each",
+                inputs.len(),
+                vehicles.len()
+            );
+        };
+        trace::write(path, input, vehicle, args.slope_bandwidth)?;
+        output::note(context, &format!("trace written to {}", path.display()));
+    }
+    let pairs: Vec<(&Input, &Vehicle)> = inputs
+        .iter()
+        .flat_map(|input| vehicles.iter().map(move |vehicle| (input, vehicle)))
+        .collect();
+    let entries = pairs
+        .par_iter()
+        .map(|(input, vehicle)| {
+            Ok(Entry {
+                name: &input.drive.name,
+                vehicle: &vehicle.spec().name,
+                energy: drive_energy(&input.drive, vehicle, args.slope_bandwidth, |_| {})?,
+                curve: None,
+            })
+        })
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let totals = vehicles
+        .iter()
+        .enumerate()
+        .map(|(k, vehicle)| {
+            let of_vehicle = entries.iter().skip(k).step_by(vehicles.len());
+            let energies: Vec<&DriveEnergy> = of_vehicle.map(|entry| &entry.energy).collect();
+            Totals {
+                vehicle: &vehicle.spec().name,
+                totals: EnergyTotals::of(&energies),
+            }
+        })
+        .collect();
+    let mut document = Document::new(
+        "energy",
+        args,
+        &inputs,
+        Body {
+            totals,
+            logs: entries,
+        },
+    );
+    match context.format {
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&text::text(&document.body))?,
+    }
+    if let Some(path) = &args.report {
+        for entry in &mut document.body.logs {
+            entry.curve = Some(std::mem::take(&mut entry.energy.curve));
+        }
+        let page = html::ENERGY.filled(&serde_json::to_value(&document)?);
+        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+        output::note(context, &format!("report written to {}", path.display()));
+    }
+    Ok(Outcome::Done)
+}
+
+#[derive(Serialize)]
+struct Body<'a> {
+    totals: Vec<Totals<'a>>,
+    logs: Vec<Entry<'a>>,
+}
+
+/// All logs with one vehicle.
+#[derive(Serialize)]
+struct Totals<'a> {
+    vehicle: &'a str,
+    #[serde(flatten)]
+    totals: EnergyTotals,
+}
+
+/// One log with one vehicle.
+#[derive(Serialize)]
+struct Entry<'a> {
+    name: &'a str,
+    vehicle: &'a str,
+    #[serde(flatten)]
+    energy: DriveEnergy,
+    /// On the report page only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    curve: Option<PowerCurve>,
+}

@@ -1,0 +1,303 @@
+use drive_log::Drive;
+use ev_energy::{
+    Calibration, CalibrationTrip, Comparison, ParameterEstimate, Vehicle, calibrate, leave_one_out,
+};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::input::EnergyInput;
+use crate::Error;
+
+/// Bins of [`Residuals`] hold this or nothing.
+const SPEED_BIN_MPS: f64 = 2.5;
+const POWER_BIN_W: f64 = 5e3;
+const TEMPERATURE_BIN_K: f64 = 5.0;
+
+/// A vehicle fitted to drives, and how far to trust it.
+#[derive(Debug, Clone, Serialize)]
+pub struct CalibrationReport {
+    /// The fitted vehicle.
+    #[serde(skip)]
+    pub vehicle: Vehicle,
+    /// What was fitted.
+    pub parameters: Vec<ParameterEstimate>,
+    /// Correlation of the estimates.
+    pub correlation: Correlation,
+    /// Every trip, with the vehicle fitted to all and with that fitted to the others.
+    pub trips: Vec<CalibrationTripScore>,
+    /// All trips together.
+    pub summary: CalibrationSummary,
+    /// Model minus measured power of the fitted vehicle.
+    pub residuals: Residuals,
+    /// Names of drives without measured power, which were left out.
+    pub unmeasured: Vec<String>,
+}
+
+/// Correlation of estimates.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// Parameters, by row and column.
+    pub keys: Vec<&'static str>,
+    /// Correlations.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// A trip of a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationTripScore {
+    /// Name of the drive.
+    pub name: String,
+    /// Volts times amps, J.
+    pub measured_terminal_energy_j: f64,
+    /// Temperature of the air, °C, if known.
+    pub ambient_degc: Option<f64>,
+    /// Error of the trip's energy by the vehicle before the fit, %.
+    pub start_error_pct: Option<f64>,
+    /// By the vehicle fitted to all trips, %.
+    pub fitted_error_pct: Option<f64>,
+    /// By a vehicle fitted to all others, %.
+    pub held_out_error_pct: Option<f64>,
+    /// Root mean square of the power's error with the vehicle fitted to all, W.
+    pub fitted_power_rmse_w: Option<f64>,
+    /// With a vehicle fitted to all others, W.
+    pub held_out_power_rmse_w: Option<f64>,
+}
+
+/// All trips of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CalibrationSummary {
+    /// The vehicle before.
+    pub start: CalibrationScore,
+    /// Fitted to all.
+    pub fitted: CalibrationScore,
+    /// Each trip with the vehicle fitted to the others.
+    pub held_out: CalibrationScore,
+}
+
+/// How well a vehicle meets trips.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct CalibrationScore {
+    /// Mean over the trips of the magnitude of the error of their energy, %.
+    pub mean_abs_error_pct: Option<f64>,
+    /// Error of the energy of all trips together, %.
+    pub total_error_pct: Option<f64>,
+    /// Median over the trips of the root mean square of the power's error, W.
+    pub median_power_rmse_w: Option<f64>,
+}
+
+impl CalibrationScore {
+    /// Of one comparison per trip.
+    #[must_use]
+    pub fn of(comparisons: &[Comparison]) -> Self {
+        let errors: Vec<f64> = comparisons
+            .iter()
+            .filter_map(Comparison::error_pct)
+            .collect();
+        let mut rmse_w: Vec<f64> = comparisons
+            .iter()
+            .filter_map(Comparison::power_rmse_w)
+            .collect();
+        rmse_w.sort_by(f64::total_cmp);
+        let sum = |energy: fn(&Comparison) -> f64| comparisons.iter().map(energy).sum::<f64>();
+        let (modelled_j, measured_j) = (sum(|c| c.modelled_j), sum(|c| c.measured_j));
+        let middle = rmse_w.len() / 2;
+        Self {
+            mean_abs_error_pct: (!errors.is_empty())
+                .then(|| errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64),
+            total_error_pct: (measured_j != 0.0)
+                .then(|| 100.0 * (modelled_j - measured_j) / measured_j.abs()),
+            median_power_rmse_w: match rmse_w.len() {
+                0 => None,
+                n if n % 2 == 1 => Some(rmse_w[middle]),
+                _ => Some(0.5 * (rmse_w[middle - 1] + rmse_w[middle])),
+            },
+        }
+    }
+}
+
+/// Model minus measured power against what it may depend on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Residuals {
+    /// Against speed, m/s.
+    pub speed: Vec<ResidualBin>,
+    /// Against measured power, W.
+    pub power: Vec<ResidualBin>,
+    /// Against the temperature of the air, °C.
+    pub temperature: Vec<ResidualBin>,
+}
+
+/// Residuals in a range.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ResidualBin {
+    /// From here.
+    pub from: f64,
+    /// Up to here.
+    pub to: f64,
+    /// Means of half a second.
+    pub count: usize,
+    /// Mean residual, W.
+    pub mean_w: f64,
+    /// Root mean square of the residuals, W.
+    pub rms_w: f64,
+}
+
+/// Fits a vehicle to the measured power of drives and leaves out one trip after the other. Drives without measured power are left
+/// out. `finished` is called after every fit, of which there is one more than measured drives.
+///
+/// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
+///
+/// # Errors
+/// [`Error::Energy`] for samples outside the vehicle model's range, a fit that fails, or no drive with measured power.
+pub fn calibrate_vehicle(
+    drives: &[&Drive],
+    vehicle: &Vehicle,
+    slope_bandwidth_m: f64,
+    finished: &(dyn Fn() + Sync),
+) -> Result<CalibrationReport, Error> {
+    let measured: Vec<MeasuredDrive> = drives
+        .par_iter()
+        .map(|drive| MeasuredDrive::of(drive, vehicle, slope_bandwidth_m))
+        .collect::<Result<_, Error>>()?;
+    let (measured, unmeasured): (Vec<_>, Vec<_>) = measured
+        .into_iter()
+        .partition(|drive| drive.trip.means() > 0);
+    let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
+    let all = calibrate(vehicle, vehicle, &trips)?;
+    finished();
+    // Of one trip nothing can be left out.
+    let left_out = if trips.len() > 1 { trips.len() } else { 0 };
+    let folds = (0..left_out)
+        .into_par_iter()
+        .map(|k| {
+            let fold = leave_one_out(vehicle, &all, &trips, k)?;
+            finished();
+            Ok(fold)
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    let compare = |vehicle: &Vehicle| -> Result<Vec<Comparison>, Error> {
+        trips
+            .iter()
+            .map(|trip| Ok(trip.compare(vehicle)?))
+            .collect()
+    };
+    let before = compare(vehicle)?;
+    let fitted = compare(&all.vehicle)?;
+    let held_out: Vec<Comparison> = folds.iter().map(|fold| fold.held_out).collect();
+    let scores = measured
+        .iter()
+        .enumerate()
+        .map(|(k, drive)| CalibrationTripScore {
+            name: drive.name.clone(),
+            measured_terminal_energy_j: fitted[k].measured_j,
+            ambient_degc: drive.ambient_degc,
+            start_error_pct: before[k].error_pct(),
+            fitted_error_pct: fitted[k].error_pct(),
+            held_out_error_pct: held_out.get(k).and_then(Comparison::error_pct),
+            fitted_power_rmse_w: fitted[k].power_rmse_w(),
+            held_out_power_rmse_w: held_out.get(k).and_then(Comparison::power_rmse_w),
+        })
+        .collect();
+    let Calibration {
+        vehicle: fitted_vehicle,
+        parameters,
+        correlation,
+    } = all.with_intervals(&folds);
+    Ok(CalibrationReport {
+        residuals: residuals(&trips, &fitted_vehicle)?,
+        vehicle: fitted_vehicle,
+        correlation: Correlation {
+            keys: parameters.iter().map(|parameter| parameter.key).collect(),
+            matrix: correlation,
+        },
+        parameters,
+        trips: scores,
+        summary: CalibrationSummary {
+            start: CalibrationScore::of(&before),
+            fitted: CalibrationScore::of(&fitted),
+            held_out: CalibrationScore::of(&held_out),
+        },
+        unmeasured: unmeasured.into_iter().map(|drive| drive.name).collect(),
+    })
+}
+
+/// A drive as the fit takes it.
+struct MeasuredDrive {
+    name: String,
+    ambient_degc: Option<f64>,
+    trip: CalibrationTrip,
+}
+
+impl MeasuredDrive {
+    fn of(drive: &Drive, vehicle: &Vehicle, slope_bandwidth_m: f64) -> Result<Self, Error> {
+        let mut trip = CalibrationTrip::default();
+        let mut ambient_degc = None;
+        for log in &drive.pieces {
+            let input = EnergyInput::of(log, slope_bandwidth_m)?;
+            ambient_degc = ambient_degc.or(input.weather.map(|weather| weather.temperature_degc));
+            trip.add(vehicle, &input.trip(), &input.power_w)?;
+        }
+        Ok(Self {
+            name: drive.name.clone(),
+            ambient_degc,
+            trip,
+        })
+    }
+}
+
+fn residuals(trips: &[&CalibrationTrip], vehicle: &Vehicle) -> Result<Residuals, Error> {
+    let mut speed = Bins::new(SPEED_BIN_MPS);
+    let mut power = Bins::new(POWER_BIN_W);
+    let mut temperature = Bins::new(TEMPERATURE_BIN_K);
+    for trip in trips {
+        trip.for_each_mean(vehicle, |mean, weather| {
+            let measured_w = mean.measured_w.unwrap_or_default();
+            let residual_w = mean.modelled_w - measured_w;
+            speed.add(mean.speed_mps, residual_w);
+            power.add(measured_w, residual_w);
+            if let Some(weather) = weather {
+                temperature.add(weather.temperature_degc, residual_w);
+            }
+        })?;
+    }
+    Ok(Residuals {
+        speed: speed.finish(),
+        power: power.finish(),
+        temperature: temperature.finish(),
+    })
+}
+
+/// Sums by equal ranges.
+struct Bins {
+    width: f64,
+    /// Count, sum, sum of squares by the number of the range.
+    sums: std::collections::BTreeMap<i64, (usize, f64, f64)>,
+}
+
+impl Bins {
+    fn new(width: f64) -> Self {
+        Self {
+            width,
+            sums: std::collections::BTreeMap::new(),
+        }
+    }
+
+    fn add(&mut self, place: f64, value: f64) {
+        let sums = self
+            .sums
+            .entry((place / self.width).floor() as i64)
+            .or_default();
+        *sums = (sums.0 + 1, sums.1 + value, sums.2 + value * value);
+    }
+
+    fn finish(self) -> Vec<ResidualBin> {
+        let width = self.width;
+        let bin = |(number, (count, sum, squares)): (i64, (usize, f64, f64))| ResidualBin {
+            from: number as f64 * width,
+            to: (number + 1) as f64 * width,
+            count,
+            mean_w: sum / count as f64,
+            rms_w: (squares / count as f64).sqrt(),
+        };
+        self.sums.into_iter().map(bin).collect()
+    }
+}

@@ -1,0 +1,194 @@
+//! Robust least squares within bounds.
+//!
+//! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + (ΔE/(s E))² ]` with `ρ(x) = 2 δ² (√(1 + x²/δ²) − 1)`, where `ΔP` is the
+//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy. Every trip weighs the same however
+//! long. The bounds are removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`.
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn};
+
+use super::parameter::Bounded;
+use super::trip::CalibrationTrip;
+use crate::error::Error;
+use crate::vehicle::{Vehicle, VehicleSpec};
+
+/// `σ`, W: what a good model still gets wrong in half a second.
+const POWER_SCALE_W: f64 = 2000.0;
+
+/// `δ`: differences beyond this many `σ` count less than their square.
+const ROBUST_FROM: f64 = 1.0;
+
+/// `s`: an error of this share of a trip's energy weighs as much as an error of `σ` all along.
+const ENERGY_SHARE: f64 = 0.2;
+
+/// Relative step of finite differences, of the width of the bounds.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Change of the sum of squares, and of the parameters, below which the fit has converged.
+const TOLERANCE: f64 = 1e-5;
+
+/// Jacobians at most.
+const PATIENCE: usize = 60;
+
+/// Free variables this far from a bound at the start, as a share of the width: at a bound the sine has no slope.
+const START_MARGIN: f64 = 0.02;
+
+#[derive(Clone)]
+pub(super) struct Problem<'a> {
+    spec: VehicleSpec,
+    parameters: &'a [Bounded],
+    trips: &'a [&'a CalibrationTrip],
+    free: DVector<f64>,
+}
+
+impl<'a> Problem<'a> {
+    /// A problem that starts at the values of `start`.
+    pub(super) fn new(
+        start: &VehicleSpec,
+        parameters: &'a [Bounded],
+        trips: &'a [&'a CalibrationTrip],
+    ) -> Self {
+        let mut spec = start.clone();
+        let free = parameters.iter().map(|parameter| {
+            let share = (parameter.get(&mut spec) - parameter.lower) / parameter.width();
+            let inside = share.clamp(START_MARGIN, 1.0 - START_MARGIN);
+            (2.0 * inside - 1.0).asin()
+        });
+        let free = DVector::from_iterator(parameters.len(), free);
+        Self {
+            spec,
+            parameters,
+            trips,
+            free,
+        }
+    }
+
+    /// Solves it; the vehicle of the best parameters.
+    pub(super) fn solve(self) -> Result<VehicleSpec, Error> {
+        let solver = LevenbergMarquardt::new()
+            .with_ftol(TOLERANCE)
+            .with_xtol(TOLERANCE)
+            .with_gtol(TOLERANCE)
+            .with_patience(PATIENCE);
+        let (solved, report) = solver.minimize(self);
+        if std::env::var("DBG").is_ok() { eprintln!("{:?} {} {}", report.termination, report.number_of_evaluations, report.objective_function); }
+        if report.termination.was_usage_issue() || !report.objective_function.is_finite() {
+            return Err(Error::Calibration {
+                problem: format!("the fit stopped with {:?}", report.termination),
+            });
+        }
+        Ok(solved.spec_at(&solved.values()))
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.parameters
+            .iter()
+            .zip(self.free.iter())
+            .map(|(parameter, q)| parameter.lower + parameter.width() * 0.5 * (1.0 + q.sin()))
+            .collect()
+    }
+
+    fn spec_at(&self, values: &[f64]) -> VehicleSpec {
+        let mut spec = self.spec.clone();
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            parameter.set(&mut spec, value.clamp(parameter.lower, parameter.upper));
+        }
+        spec
+    }
+
+    /// The residuals whose squares are summed: per trip those of power and the one of energy.
+    fn residuals_of(&self, spec: VehicleSpec) -> Option<Vec<f64>> {
+        let vehicle = Vehicle::new(spec).ok()?;
+        let mut residuals = Vec::with_capacity(self.len());
+        for trip in self.trips {
+            let weight = 1.0 / (trip.means() as f64).sqrt();
+            let (mut modelled_j, mut measured_j) = (0.0, 0.0);
+            trip.for_each_mean(&vehicle, |mean, _| {
+                let measured_w = mean.measured_w.unwrap_or_default();
+                let off = (mean.modelled_w - measured_w) / POWER_SCALE_W;
+                residuals.push(weight * robust(off));
+                modelled_j += mean.modelled_w * mean.duration_s;
+                measured_j += measured_w * mean.duration_s;
+            })
+            .ok()?;
+            residuals.push((modelled_j - measured_j) / (ENERGY_SHARE * measured_j.abs()));
+        }
+        Some(residuals)
+    }
+
+    fn len(&self) -> usize {
+        self.trips.iter().map(|trip| trip.means() + 1).sum()
+    }
+
+    /// Derivatives of the residuals by the parameters themselves, in units of their bounds' width.
+    pub(super) fn derivatives(&self) -> Option<DMatrix<f64>> {
+        let values = self.values();
+        let here = self.residuals_of(self.spec_at(&values))?;
+        let mut derivatives = DMatrix::zeros(here.len(), values.len());
+        for (k, parameter) in self.parameters.iter().enumerate() {
+            // Inward from the upper bound.
+            let sign = if values[k] + DIFFERENCE * parameter.width() > parameter.upper {
+                -1.0
+            } else {
+                1.0
+            };
+            let mut moved = values.clone();
+            moved[k] += sign * DIFFERENCE * parameter.width();
+            let there = self.residuals_of(self.spec_at(&moved))?;
+            for ((place, here), there) in
+                derivatives.column_mut(k).iter_mut().zip(&here).zip(&there)
+            {
+                *place = sign * (there - here) / DIFFERENCE;
+            }
+        }
+        Some(derivatives)
+    }
+}
+
+/// `√ρ` with the sign of its argument.
+fn robust(x: f64) -> f64 {
+    let relative = x / ROBUST_FROM;
+    // √(1 + r²) − 1 without cancellation
+    let root = relative * relative / (1.0 + (1.0 + relative * relative).sqrt());
+    ROBUST_FROM * (2.0 * root).sqrt().copysign(x)
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, free: &DVector<f64>) {
+        self.free.copy_from(free);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.free.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.residuals_of(self.spec_at(&self.values()))
+            .map(DVector::from_vec)
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let mut jacobian = self.derivatives()?;
+        for (mut column, q) in jacobian.column_iter_mut().zip(self.free.iter()) {
+            column *= 0.5 * q.cos();
+        }
+        Some(jacobian)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_differences_count_square_and_large_ones_linear() {
+        assert!((robust(1e-3) - 1e-3).abs() < 1e-9);
+        assert!((robust(-1e3).powi(2) / (2.0 * 1e3) - 1.0).abs() < 2e-3);
+        assert!(robust(-2.0) < 0.0);
+    }
+}
