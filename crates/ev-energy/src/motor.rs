@@ -219,7 +219,7 @@ impl Motor {
         if speed > self.max_speed_rad_s {
             0.0
         } else {
-            smaller(self.max_torque_nm, self.max_power_w / speed)
+            smaller(self.max_torque_nm, self.max_power_w * (1.0 / speed))
         }
     }
 
@@ -232,7 +232,7 @@ impl Motor {
         let fade = (speed_mps.abs() - self.fade_start_mps) * self.fade_per_mps;
         let by_torque = self.regen_torque_fraction * self.torque_limit_nm(motor_speed_rad_s);
         // A power limit of 0 at standstill is 0/0; `smaller` takes the other operand then.
-        let by_power = self.regen_max_power_w / motor_speed_rad_s.abs();
+        let by_power = self.regen_max_power_w * (1.0 / motor_speed_rad_s.abs());
         let limit = smaller(smaller(by_power, by_torque), self.regen_decel_torque_nm);
         larger(smaller(fade, 1.0), 0.0) * limit
     }

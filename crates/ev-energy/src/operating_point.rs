@@ -135,12 +135,12 @@ impl Vehicle {
         let friction_brake_n = smaller(wheel_force_n - motor_n, 0.0);
         let shortfall_n = larger(wheel_force_n - motor_n, 0.0);
 
-        let n_per_nm = if motor_n >= 0.0 {
-            self.propelling_n_per_nm
+        let nm_per_n = if motor_n >= 0.0 {
+            self.propelling_nm_per_n
         } else {
-            self.braking_n_per_nm
+            self.braking_nm_per_n
         };
-        let motor_torque_nm = motor_n / n_per_nm;
+        let motor_torque_nm = motor_n * nm_per_n;
         let shaft_power_w = motor_torque_nm * motor_speed_rad_s;
         let motor_loss_w = self.motor.loss_w(motor_torque_nm, motor_speed_rad_s);
         let motor_electric_w = shaft_power_w + motor_loss_w;

@@ -157,6 +157,8 @@ pub struct Vehicle {
     pub(crate) motor_speed_per_mps: f64,
     pub(crate) propelling_n_per_nm: f64,
     pub(crate) braking_n_per_nm: f64,
+    pub(crate) propelling_nm_per_n: f64,
+    pub(crate) braking_nm_per_n: f64,
     pub(crate) road_load: RoadLoad,
     pub(crate) motor: Motor,
     pub(crate) battery: Battery,
@@ -243,6 +245,8 @@ impl Vehicle {
             motor_speed_per_mps: ratio / radius_m,
             propelling_n_per_nm: ratio * efficiency / radius_m,
             braking_n_per_nm,
+            propelling_nm_per_n: radius_m / (ratio * efficiency),
+            braking_nm_per_n: 1.0 / braking_n_per_nm,
             road_load: RoadLoad::new(&spec.road_load, mass_kg, &check)?,
             motor: Motor::new(
                 &spec.motor,

@@ -72,7 +72,6 @@ impl<'a> Problem<'a> {
             .with_gtol(TOLERANCE)
             .with_patience(PATIENCE);
         let (solved, report) = solver.minimize(self);
-        if std::env::var("DBG").is_ok() { eprintln!("{:?} {} {}", report.termination, report.number_of_evaluations, report.objective_function); }
         if report.termination.was_usage_issue() || !report.objective_function.is_finite() {
             return Err(Error::Calibration {
                 problem: format!("the fit stopped with {:?}", report.termination),
