@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
-use ev_energy::{OperatingPoint, Vehicle, library};
+use ev_energy::{ConsumptionUse, OperatingPoint, Vehicle, VehicleCheck, library};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -17,6 +17,12 @@ use crate::render::table::{Table, number};
 pub(crate) enum VehicleCommand {
     /// Names of the built-in vehicles
     List,
+    /// Whether vehicle files are sound, and what they give against published consumption
+    #[command(after_help = "\
+Examples:
+  drivekit vehicle check my-car.toml
+  drivekit vehicle check                    every built-in vehicle")]
+    Check(CheckArgs),
     /// All parameters with their sources, as a vehicle file
     #[command(after_help = "Example:\n  drivekit vehicle show b250e > my-car.toml")]
     Show(ShowArgs),
@@ -33,6 +39,13 @@ pub(crate) struct ShowArgs {
     /// A built-in name or a TOML file
     #[arg(value_name = "NAME|FILE")]
     vehicle: String,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct CheckArgs {
+    /// Built-in names or TOML files; all built-in vehicles if left out
+    #[arg(value_name = "NAME|FILE")]
+    vehicles: Vec<String>,
 }
 
 #[derive(Debug, Args, Serialize)]
@@ -73,6 +86,7 @@ pub(crate) fn run(command: &VehicleCommand, context: &Context) -> anyhow::Result
     match command {
         VehicleCommand::List => list(context)?,
         VehicleCommand::Show(args) => show(args, context)?,
+        VehicleCommand::Check(args) => check(args, context)?,
         VehicleCommand::Point(args) => point(args, context)?,
     }
     Ok(Outcome::Done)
@@ -126,6 +140,83 @@ fn show(args: &ShowArgs, context: &Context) -> anyhow::Result<()> {
             output::print_json(&Document::new("vehicle", args, &[], body))
         }
     }
+}
+
+fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<()> {
+    #[derive(Serialize)]
+    struct Checked {
+        name: String,
+        #[serde(flatten)]
+        check: VehicleCheck,
+    }
+    #[derive(Serialize)]
+    struct Body {
+        vehicles: Vec<Checked>,
+    }
+    let names: Vec<&str> = if args.vehicles.is_empty() {
+        library::names().collect()
+    } else {
+        args.vehicles.iter().map(String::as_str).collect()
+    };
+    let vehicles = names
+        .into_iter()
+        .map(|name| {
+            let vehicle = vehicle(name)?;
+            Ok(Checked {
+                name: vehicle.spec().name.clone(),
+                check: vehicle.check()?,
+            })
+        })
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    if context.format == Format::Json {
+        return output::print_json(&Document::new("vehicle", args, &[], Body { vehicles }));
+    }
+    let mut consumption = Table::new([
+        "vehicle",
+        "cycle",
+        "published kWh/100 km",
+        "model",
+        "error %",
+        "figure was",
+        "source",
+    ]);
+    let mut figures = Table::new([
+        "vehicle",
+        "peak efficiency %",
+        "at Nm",
+        "rad/s",
+        "top speed km/h",
+        "confidence of its values",
+        "without source",
+    ]);
+    for Checked { name, check } in &vehicles {
+        for figure in &check.consumption {
+            consumption.row([
+                name.clone(),
+                figure.cycle.name().to_owned(),
+                number(figure.published_kwh_per_100km, 2),
+                number(figure.model_kwh_per_100km, 2),
+                number(figure.error_pct, 1),
+                match figure.purpose {
+                    ConsumptionUse::Fitted => "fitted to".to_owned(),
+                    ConsumptionUse::HoldOut => "held out".to_owned(),
+                },
+                figure.source.clone(),
+            ]);
+        }
+        let confidence = check.confidence.iter();
+        let confidence = confidence.map(|(kind, count)| format!("{count} {}", kind.name()));
+        figures.row([
+            name.clone(),
+            number(100.0 * check.peak_efficiency, 1),
+            number(check.peak_torque_nm, 0),
+            number(check.peak_speed_rad_s, 0),
+            number(3.6 * check.top_speed_mps, 0),
+            confidence.collect::<Vec<_>>().join(", "),
+            check.without_source.join(", "),
+        ]);
+    }
+    output::print_text(&format!("{}\n{}", figures.render(), consumption.render()))
 }
 
 fn point(args: &PointArgs, context: &Context) -> anyhow::Result<()> {

@@ -63,6 +63,7 @@ mod road_load;
 mod scalar;
 mod trip;
 mod vehicle;
+mod vehicle_check;
 mod weather;
 
 pub use battery::{Battery, BatteryDraw, BatterySpec, VoltageCurveSpec};
@@ -79,6 +80,7 @@ pub use operating_point::{Limited, OperatingPoint};
 pub use road_load::RoadLoadSpec;
 pub use trip::{Budget, JOULES_PER_KWH, LimitedTotals, Trip, TripEnergy, TripPoints, WheelEnergy};
 pub use vehicle::{Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec};
+pub use vehicle_check::{ConsumptionCheck, VehicleCheck};
 pub use weather::{Weather, WeatherSpec};
 
 /// Gravitational acceleration `g`, m/s², rounded; standard gravity, 9.80665 m/s², is 0.03 % less.

@@ -103,6 +103,19 @@ pub enum ConsumptionUse {
     HoldOut,
 }
 
+impl Confidence {
+    /// In a word, as vehicle files give it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Certain => "certain",
+            Self::Published => "published",
+            Self::Fitted => "fitted",
+            Self::Assumed => "assumed",
+        }
+    }
+}
+
 impl VehicleSpec {
     /// Reads a vehicle from TOML text; `file` names the text in errors.
     ///
@@ -113,6 +126,21 @@ impl VehicleSpec {
             file: file.to_owned(),
             source: Box::new(source),
         })
+    }
+
+    /// The temperature coefficient is in the file as soon as another value of its section is; says where the built-in one is from.
+    pub(crate) fn add_weather_source(&mut self) {
+        let (built_in, own) = (WeatherSpec::default(), &self.weather);
+        let is_built_in = own.rolling_temperature_coefficient_per_k.to_bits()
+            == built_in.rolling_temperature_coefficient_per_k.to_bits();
+        if is_built_in && !own.is_default() && !self.sources.contains_key("weather") {
+            self.sources
+                .entry("weather.rolling_temperature_coefficient_per_k".to_owned())
+                .or_insert_with(|| Source {
+                    source: "UN GTR No. 15, annex 4, correction to reference conditions".to_owned(),
+                    confidence: Confidence::Certain,
+                });
+        }
     }
 
     /// Writes the vehicle as TOML text that [`VehicleSpec::from_toml`] reads back unchanged.

@@ -44,8 +44,9 @@ fn a_decimal_comma_after_many_whole_numbers() {
 #[test]
 fn every_canonical_channel_and_unit() {
     let log = log(
-        "time_s,speed_mps,accel_mps2,speed_limit_kmh,grade_pct,elevation_m,lead_gap_m,lead_speed_mps,battery_voltage_v,\
-         battery_current_a,soc_pct,motor_torque_nm,aux_power_kw,heating_power_w\n0,1,2,36,100,4,5,6,7,8,9,10,11,12\n",
+        "time_s,speed_mps,accel_mps2,speed_limit_kmh,accelerometer_mps2,grade_pct,elevation_m,lead_gap_m,lead_speed_mps,battery_voltage_v,\
+         battery_current_a,soc_pct,motor_torque_nm,aux_power_kw,heating_power_w,heating_request_w,\
+         ambient_temperature_degf\n0,1,2,36,3,100,4,5,6,7,8,9,10,11,12,13,50\n",
     );
     let values: Vec<f64> = Channel::ALL
         .into_iter()
@@ -55,7 +56,8 @@ fn every_canonical_channel_and_unit() {
     assert_eq!(
         values,
         [
-            1.0, 2.0, 10.0, atan_1, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11_000.0, 12.0
+            1.0, 2.0, 10.0, 3.0, atan_1, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11_000.0, 12.0, 13.0,
+            10.0
         ]
     );
 }
@@ -77,7 +79,7 @@ fn words_for_missing() {
 fn bmw_i3() {
     let file = read(
         "Time [s];Velocity [km/h];Battery Current [A];SoC [%];max. SoC [%);AirCon Power [kW] ;Heating Power CAN [kW];\
-         Ambient [°C]\n0;36;-2,5;86,9;90;0,4;1,2;25\n",
+         Ambient Temperature [°C]\n0;36;-2,5;86,9;90;0,4;1,2;25\n",
     )
     .unwrap();
     assert_eq!(file.layout, "bmw-i3");
@@ -91,6 +93,7 @@ fn bmw_i3() {
         (Channel::StateOfCharge, 86.9),
         (Channel::AuxPower, 400.0),
         (Channel::HeatingPower, 1200.0),
+        (Channel::AmbientTemperature, 25.0),
     ];
     assert_eq!(channels, expected);
 }

@@ -404,6 +404,76 @@ fn a_pinned_heater() {
     assert_eq!(check(off).findings, []);
 }
 
+/// A stop of a minute, at which the battery gives `battery_w`.
+fn stopped(battery_w: f64) -> RawLog {
+    let mut log = traffic(6000);
+    for channel in [Channel::Speed, Channel::MotorTorque, Channel::Accel] {
+        log = changed(&log, channel, |values| {
+            for (i, v) in values[1900..2600].iter_mut().enumerate() {
+                let ramp = if i < 100 { 1.0 - i as f64 / 100.0 } else { 0.0 };
+                *v *= ramp.max((i as f64 - 600.0) / 100.0);
+            }
+        });
+    }
+    log = changed(&log, Channel::BatteryVoltage, |v| v[2000..2500].fill(380.0));
+    changed(&log, Channel::BatteryCurrent, |a| {
+        for (i, a) in a[2000..2500].iter_mut().enumerate() {
+            *a = (battery_w + (i as f64 * 0.3).sin()) / 380.0;
+        }
+    })
+}
+
+/// A heater that changes its power, up to 2 kW.
+fn heater(values: &mut [f64]) {
+    for (i, v) in values.iter_mut().enumerate() {
+        *v = 1500.0 + 500.0 * (i as f64 * 0.01).sin();
+    }
+}
+
+#[test]
+fn heating_that_the_battery_contradicts_at_standstill() {
+    let cold = changed(&stopped(500.0), Channel::HeatingPower, |h| heater(h));
+    let checked = check(cold);
+    assert_eq!(
+        kinds(&checked),
+        [(
+            FindingKind::Contradicted,
+            "heating_power_w",
+            Action::Dropped
+        )]
+    );
+    let warm = changed(&stopped(2500.0), Channel::HeatingPower, |h| heater(h));
+    assert_eq!(check(warm).findings, []);
+    // without volts and amps nobody can tell
+    let blind = changed(&traffic(6000), Channel::HeatingPower, |h| heater(h));
+    assert_eq!(check(blind).findings, []);
+}
+
+#[test]
+fn requested_heating_replaces_what_is_missing_unless_it_is_contradicted() {
+    let requested = changed(&stopped(2500.0), Channel::HeatingRequest, |h| heater(h));
+    let checked = check(requested);
+    assert_eq!(
+        kinds(&checked),
+        [(FindingKind::Missing, "heating_power_w", Action::Replaced)]
+    );
+    assert_eq!(
+        checked.log.channel(Channel::HeatingPower),
+        checked.log.channel(Channel::HeatingRequest)
+    );
+    let ignored = changed(&stopped(500.0), Channel::HeatingRequest, |h| heater(h));
+    let checked = check(ignored);
+    assert_eq!(
+        kinds(&checked),
+        [(
+            FindingKind::Contradicted,
+            "heating_request_w",
+            Action::Dropped
+        )]
+    );
+    assert_eq!(checked.log.channel(Channel::HeatingPower), None);
+}
+
 #[test]
 fn time_out_of_order() {
     let time_s = vec![0.0, 0.1, 0.3, 0.2, 0.4, 0.4, 0.5];

@@ -58,7 +58,7 @@ fn bmw_i3() {
                     "speed_mps",
                     "elevation_m",
                     "motor_torque_nm",
-                    "accel_mps2",
+                    "accelerometer_mps2",
                     "battery_voltage_v",
                     "battery_current_a",
                 ] {
@@ -72,6 +72,23 @@ fn bmw_i3() {
         assert_eq!(
             pinned,
             usize::from(["TripA03", "TripA05", "TripA13", "TripA18"].contains(&name)),
+            "{name}"
+        );
+        let of_action = |kind, action| {
+            of_kind(&drive, kind)
+                .iter()
+                .filter(|f| f.action == action)
+                .count()
+        };
+        assert_eq!(
+            of_action(FindingKind::Contradicted, Action::Dropped),
+            usize::from(name == "TripA08"),
+            "{name}"
+        );
+        let replaced = ["TripA03", "TripA05", "TripA08", "TripA13", "TripA18"].contains(&name);
+        assert_eq!(
+            of_action(FindingKind::Missing, Action::Replaced),
+            usize::from(replaced),
             "{name}"
         );
         // in A25 the heater is on, and the battery may feel the pulses: undecided

@@ -118,6 +118,7 @@ pub fn calibrate(
         };
         fitted.sources.insert(parameter.key.to_owned(), source);
     }
+    fitted.add_weather_source();
     let fitted = Vehicle::new(fitted)?;
     let mut calibration = Calibration {
         vehicle: fitted,

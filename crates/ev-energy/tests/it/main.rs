@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod calibration;
 mod laws;
 mod limits;
 mod slope;

@@ -1,6 +1,6 @@
 //! Slope from elevation.
 
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Error, slope_from_elevation};
+use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Error, slope_from_accelerometer, slope_from_elevation};
 use proptest::prelude::*;
 
 fn grid(step_m: f64, samples: u32) -> Vec<f64> {
@@ -154,4 +154,94 @@ proptest! {
             prop_assert!(slope_rad.iter().all(|slope| slope.abs() <= std::f64::consts::FRAC_PI_2));
         }
     }
+}
+
+/// Root mean square of the error against a known gradient, away from the ends.
+fn rms_error(slope_rad: &[f64], gradient: impl Fn(usize) -> f64) -> f64 {
+    let middle = 300..slope_rad.len() - 300;
+    let squares = middle
+        .clone()
+        .map(|i| (slope_rad[i].tan() - gradient(i)).powi(2));
+    (squares.sum::<f64>() / middle.len() as f64).sqrt()
+}
+
+#[test]
+fn whole_metres_and_held_fixes_are_read_as_such() {
+    // 20 m up and down over 2 km: gradients to 3 %
+    let distance_m = grid(1.0, 6000);
+    let hill = |s: f64| 20.0 * (std::f64::consts::TAU * s / 4000.0).sin();
+    let gradient = |i: usize| {
+        20.0 * std::f64::consts::TAU / 4000.0
+            * (std::f64::consts::TAU * distance_m[i] / 4000.0).cos()
+    };
+    let slope = |elevation: &dyn Fn(usize) -> f64| {
+        let elevation_m: Vec<f64> = (0..6000).map(elevation).collect();
+        slope_from_elevation(&distance_m, &elevation_m, 100.0).unwrap()
+    };
+    let rounded = slope(&|i| hill(distance_m[i]).round());
+    assert!(rms_error(&rounded, gradient) < 0.0035);
+    let held = slope(&|i| hill(distance_m[i / 300 * 300]));
+    assert!(rms_error(&held, gradient) < 0.003);
+}
+
+#[test]
+fn outliers_are_left_out() {
+    let distance_m = grid(1.0, 3000);
+    let mut elevation_m: Vec<f64> = distance_m.iter().map(|s| 400.0 + 0.02 * s).collect();
+    let clean = slope_from_elevation(&distance_m, &elevation_m, 100.0).unwrap();
+    for (at, height) in [(700, 40.0), (1500, -60.0), (2200, 15.0)] {
+        elevation_m[at..at + 12]
+            .iter_mut()
+            .for_each(|h| *h += height);
+    }
+    let dirty = slope_from_elevation(&distance_m, &elevation_m, 100.0).unwrap();
+    for (clean, dirty) in clean.iter().zip(&dirty) {
+        assert!((clean - dirty).abs() < 1e-9, "{clean} and {dirty}");
+    }
+}
+
+#[test]
+fn an_accelerometer_sees_what_elevation_does_not() {
+    // a bridge of 4 m over 200 m on a road that climbs 1 %; elevation in whole metres without the bridge, an accelerometer with
+    // an offset and noise
+    let step_s = 0.1;
+    let speed = |i: usize| 14.0 + 3.0 * (i as f64 / 80.0).sin();
+    let speed_mps: Vec<f64> = (0..9000).map(speed).collect();
+    let mut distance_m = vec![0.0];
+    for v in speed_mps.windows(2) {
+        distance_m.push(distance_m[distance_m.len() - 1] + 0.5 * (v[0] + v[1]) * step_s);
+    }
+    let gradient = |s: f64| {
+        let bridge: f64 = match s % 2000.0 {
+            x if x < 100.0 => 0.04,
+            x if x < 200.0 => -0.04,
+            _ => 0.0,
+        };
+        0.01 + bridge
+    };
+    let accelerometer_mps2: Vec<f64> = (0..9000)
+        .map(|i| {
+            let accel = 3.0 / 80.0 / step_s * (i as f64 / 80.0).cos();
+            let noise = 0.3 * (i as f64 * 1.7).sin();
+            accel + 9.81 * gradient(distance_m[i]).atan().sin() + 0.15 + noise
+        })
+        .collect();
+    let elevation_m: Vec<f64> = distance_m.iter().map(|s| (0.01 * s).round()).collect();
+    let by_elevation = slope_from_elevation(&distance_m, &elevation_m, 50.0).unwrap();
+    let by_both = slope_from_accelerometer(
+        step_s,
+        &speed_mps,
+        &accelerometer_mps2,
+        Some(&elevation_m),
+        50.0,
+    )
+    .unwrap();
+    let truth = |i: usize| gradient(distance_m[i]);
+    let (alone, both) = (rms_error(&by_elevation, truth), rms_error(&by_both, truth));
+    assert!(both < 0.5 * alone, "{both} and {alone}");
+    let mean = by_both.iter().sum::<f64>() / by_both.len() as f64;
+    assert!((mean - 0.01).abs() < 1e-3, "the offset is gone: {mean}");
+    let level =
+        slope_from_accelerometer(step_s, &speed_mps, &accelerometer_mps2, None, 50.0).unwrap();
+    assert!(level.iter().sum::<f64>().abs() / (level.len() as f64) < 2e-3);
 }

@@ -37,28 +37,35 @@ fn library_vehicles_are_valid_named_and_survive_writing() {
 #[test]
 fn every_library_value_has_a_source() {
     for name in library::names() {
-        let spec = Vehicle::builtin(name).unwrap().spec().clone();
-        let value = serde_json::to_value(&spec).unwrap();
-        let mut open = vec![(String::new(), &value)];
-        while let Some((path, value)) = open.pop() {
-            if spec.sources.contains_key(&path)
-                || ["name", "description", "sources", "consumption"].contains(&path.as_str())
-            {
-                continue;
-            }
-            let children = value
-                .as_object()
-                .unwrap_or_else(|| panic!("{name}: `{path}` has no source"));
-            for (key, child) in children {
-                open.push((
-                    if path.is_empty() {
-                        key.clone()
-                    } else {
-                        format!("{path}.{key}")
-                    },
-                    child,
-                ));
-            }
+        let check = Vehicle::builtin(name).unwrap().check().unwrap();
+        assert_eq!(check.without_source, [""; 0], "{name}");
+    }
+}
+
+#[test]
+fn values_without_a_source_are_named() {
+    let mut spec = Vehicle::builtin("b250e").unwrap().spec().clone();
+    spec.sources.remove("regeneration");
+    spec.sources.remove("mass_kg");
+    let check = Vehicle::new(spec).unwrap().check().unwrap();
+    assert_eq!(check.without_source.len(), 6);
+    assert_eq!(check.without_source[0], "mass_kg");
+}
+
+#[test]
+fn cars_are_as_fast_and_as_efficient_as_cars() {
+    for name in library::names() {
+        let check = Vehicle::builtin(name).unwrap().check().unwrap();
+        assert!(
+            (0.9..0.98).contains(&check.peak_efficiency),
+            "{name}: {check:?}"
+        );
+        assert!(
+            (36.0..75.0).contains(&check.top_speed_mps),
+            "{name}: {check:?}"
+        );
+        for figure in check.consumption {
+            assert!(figure.error_pct.abs() < 25.0, "{name}: {figure:?}");
         }
     }
 }

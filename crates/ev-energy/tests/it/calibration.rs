@@ -1,0 +1,188 @@
+//! Parameters from power: the truth is found again, and what cannot be found is said.
+
+use ev_energy::{
+    Calibration, CalibrationTrip, Error, RoadLoadSpec, Trip, Vehicle, VehicleSpec, Weather,
+    calibrate, leave_one_out,
+};
+
+const STEP_S: f64 = 0.1;
+const SAMPLES: usize = 4000;
+
+/// Town and country, uphill and down, differently in every trip.
+fn motion(number: usize) -> (Vec<f64>, Vec<f64>) {
+    let k = 1.0 + 0.13 * number as f64;
+    let top_mps = 9.0 + 3.5 * (number % 4) as f64;
+    let speed = |i: usize| {
+        let t = i as f64 * STEP_S;
+        let wave = (t / (11.0 * k)).sin() + 0.4 * (t / (3.1 * k)).sin();
+        (top_mps * (0.45 + 0.8 * wave)).max(0.0)
+    };
+    let slope = |i: usize| 0.03 * (i as f64 * STEP_S / (25.0 * k)).sin();
+    (
+        (0..SAMPLES).map(speed).collect(),
+        (0..SAMPLES).map(slope).collect(),
+    )
+}
+
+/// Trips as a true vehicle would have driven them, with noise of the power meter.
+fn trips(truth: &Vehicle, count: usize, noise_w: f64) -> Vec<CalibrationTrip> {
+    (0..count)
+        .map(|number| {
+            let (speed_mps, slope_rad) = motion(number);
+            let trip = Trip {
+                step_s: STEP_S,
+                speed_mps: &speed_mps,
+                slope_rad: Some(&slope_rad),
+                weather: Some(Weather {
+                    temperature_degc: if number % 2 == 0 { 22.0 } else { 3.0 },
+                    elevation_m: 500.0,
+                }),
+                ..Trip::default()
+            };
+            let noise = |k: usize| noise_w * (k as f64 * (1.3 + 0.1 * number as f64)).sin();
+            let power_w: Vec<f64> = truth
+                .trip_points(&trip)
+                .unwrap()
+                .enumerate()
+                .map(|(k, point)| point.terminal_power_w + noise(k))
+                .collect();
+            let mut measured = CalibrationTrip::default();
+            measured.add(truth, &trip, &power_w).unwrap();
+            measured
+        })
+        .collect()
+}
+
+fn i3() -> Vehicle {
+    Vehicle::builtin("bmw-i3-60ah").unwrap()
+}
+
+fn truth(change: impl FnOnce(&mut VehicleSpec)) -> Vehicle {
+    let mut spec = i3().spec().clone();
+    spec.mass_kg = 1600.0;
+    spec.auxiliary_power_w = 700.0;
+    spec.gear_efficiency = 0.93;
+    spec.weather.winter_rolling_surcharge = 0.4;
+    spec.regeneration.max_decel_mps2 = 0.9;
+    if let RoadLoadSpec::CoastDown {
+        constant_n,
+        quadratic_n_per_mps2,
+        ..
+    } = &mut spec.road_load
+    {
+        *constant_n = 150.0;
+        *quadratic_n_per_mps2 = 0.3;
+    }
+    change(&mut spec);
+    Vehicle::new(spec).unwrap()
+}
+
+fn fit(trips: &[CalibrationTrip]) -> Calibration {
+    let trips: Vec<&CalibrationTrip> = trips.iter().collect();
+    calibrate(&i3(), &i3(), &trips).unwrap()
+}
+
+#[test]
+fn the_truth_is_found_again() {
+    let truth = truth(|_| {});
+    let trips = trips(&truth, 6, 0.0);
+    let fitted = fit(&trips);
+    let value = |key: &str| {
+        let mut parameters = fitted.parameters.iter();
+        parameters.find(|p| p.key == key).unwrap().value
+    };
+    for (key, expected, tolerance) in [
+        ("mass_kg", 1600.0, 2.0),
+        ("road_load.coast_down.constant_n", 150.0, 3.0),
+        ("road_load.coast_down.quadratic_n_per_mps2", 0.3, 0.01),
+        ("weather.winter_rolling_surcharge", 0.4, 0.02),
+        ("gear_efficiency", 0.93, 0.002),
+        ("regeneration.max_decel_mps2", 0.9, 0.01),
+    ] {
+        assert!(
+            (value(key) - expected).abs() < tolerance,
+            "{key} {}",
+            value(key)
+        );
+    }
+    for trip in &trips {
+        let comparison = trip.compare(&fitted.vehicle).unwrap();
+        assert!(comparison.error_pct().unwrap().abs() < 0.1);
+        assert!(comparison.power_rmse_w().unwrap() < 30.0);
+    }
+}
+
+#[test]
+fn intervals_come_from_leaving_trips_out_and_hold_the_truth() {
+    let truth = truth(|_| {});
+    let trips = trips(&truth, 6, 2000.0);
+    let refs: Vec<&CalibrationTrip> = trips.iter().collect();
+    let all = fit(&trips);
+    let folds: Vec<_> = (0..trips.len())
+        .map(|k| leave_one_out(&i3(), &all, &refs, k).unwrap())
+        .collect();
+    for fold in &folds {
+        assert!(fold.held_out.error_pct().unwrap().abs() < 5.0);
+    }
+    let all = all.with_intervals(&folds);
+    let mass = &all.parameters[0];
+    assert_eq!(mass.key, "mass_kg");
+    let [low, high] = mass.ci95.unwrap();
+    assert!(
+        low < 1600.0 && 1600.0 < high && high - low < 300.0,
+        "{mass:?}"
+    );
+    assert!(mass.identified && mass.std_error.unwrap() > 0.0);
+    let n = all.parameters.len();
+    assert!(all.correlation.len() == n && all.correlation.iter().all(|row| row.len() == n));
+}
+
+#[test]
+fn what_runs_into_its_bound_is_not_identified() {
+    let truth = truth(|spec| spec.auxiliary_power_w = 4000.0);
+    let fitted = fit(&trips(&truth, 4, 0.0));
+    let auxiliary = fitted
+        .parameters
+        .iter()
+        .find(|p| p.key == "auxiliary_power_w")
+        .unwrap();
+    assert!(!auxiliary.identified, "{auxiliary:?}");
+    assert!(auxiliary.remark.contains("upper bound"), "{auxiliary:?}");
+}
+
+#[test]
+fn fitted_values_have_a_source_and_make_a_vehicle_file() {
+    let fitted = fit(&trips(&truth(|_| {}), 3, 100.0));
+    let check = fitted.vehicle.check().unwrap();
+    assert_eq!(check.without_source, [""; 0]);
+    let text = fitted.vehicle.spec().to_toml().unwrap();
+    let read = Vehicle::from_toml(&text, "fitted.toml").unwrap();
+    assert_eq!(read.spec(), fitted.vehicle.spec());
+}
+
+#[test]
+fn without_measured_power_there_is_nothing_to_fit() {
+    let (speed_mps, _) = motion(0);
+    let trip = Trip {
+        speed_mps: &speed_mps,
+        ..Trip::default()
+    };
+    let mut blind = CalibrationTrip::default();
+    blind
+        .add(&i3(), &trip, &vec![f64::NAN; SAMPLES - 1])
+        .unwrap();
+    assert_eq!(blind.means(), 0);
+    let error = calibrate(&i3(), &i3(), &[&blind]).unwrap_err();
+    assert!(matches!(error, Error::Calibration { .. }), "{error}");
+    let short = blind.add(&i3(), &trip, &[1.0]).unwrap_err();
+    assert!(
+        matches!(
+            short,
+            Error::Length {
+                channel: "power_w",
+                ..
+            }
+        ),
+        "{short}"
+    );
+}
