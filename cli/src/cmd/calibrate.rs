@@ -62,7 +62,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         output::note(context, &format!("{name} has no volts and amps; left out"));
     }
 
-    let file = named_after(&args.output, report.vehicle.spec(), report.trips.len()).to_toml()?;
+    let file = vehicle_file(&args.output, &report).to_toml()?;
     output::write_file(&args.output, |out| Ok(out.write_all(file.as_bytes())?))?;
     output::note(
         context,
@@ -96,10 +96,10 @@ struct Body<'a> {
     report: &'a CalibrationReport,
 }
 
-/// The vehicle with the name of its file.
-fn named_after(file: &Path, spec: &VehicleSpec, trips: usize) -> VehicleSpec {
-    let mut spec = spec.clone();
-    spec.description = format!("{}, calibrated to {trips} trips", spec.description);
+/// The fitted vehicle with the name of its file and the record of its calibration.
+fn vehicle_file(file: &Path, report: &CalibrationReport) -> VehicleSpec {
+    let mut spec = report.vehicle.spec().clone();
+    spec.calibration = report.record();
     if let Some(stem) = file.file_stem() {
         spec.name = stem.to_string_lossy().into_owned();
     }

@@ -10,6 +10,7 @@
 
 mod architecture;
 mod bad_input;
+mod calibrate;
 mod documents;
 mod energy;
 mod evaluate;

@@ -79,7 +79,9 @@ pub use motor::{Motor, MotorLossSpec, MotorSpec, RegenerationSpec};
 pub use operating_point::{Limited, OperatingPoint};
 pub use road_load::RoadLoadSpec;
 pub use trip::{Budget, JOULES_PER_KWH, LimitedTotals, Trip, TripEnergy, TripPoints, WheelEnergy};
-pub use vehicle::{Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec};
+pub use vehicle::{
+    CalibrationRecord, Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec,
+};
 pub use vehicle_check::{ConsumptionCheck, VehicleCheck};
 pub use weather::{Weather, WeatherSpec};
 

@@ -46,6 +46,9 @@ pub struct VehicleSpec {
     /// What the weather does to the road load.
     #[serde(default, skip_serializing_if = "WeatherSpec::is_default")]
     pub weather: WeatherSpec,
+    /// How good the vehicle is, if it was calibrated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<CalibrationRecord>,
     /// Published consumption to hold the model against.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub consumption: Vec<Consumption>,
@@ -76,6 +79,20 @@ pub enum Confidence {
     Fitted,
     /// An educated guess.
     Assumed,
+}
+
+/// What a calibration says of its vehicle: every trip was predicted once by a fit to the others.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationRecord {
+    /// Number of trips.
+    pub trips: usize,
+    /// Mean over the trips of the magnitude of the error of their terminal energy, %.
+    pub held_out_mean_abs_error_pct: f64,
+    /// Error of the terminal energy of all trips together, %.
+    pub held_out_total_error_pct: f64,
+    /// Median over the trips of the root mean square of the power's error, W.
+    pub held_out_median_power_rmse_w: f64,
 }
 
 /// A published consumption.
@@ -257,6 +274,30 @@ impl Vehicle {
         let efficiency = check.range("gear_efficiency", spec.gear_efficiency, 0.1, 1.0)?;
         check.range("auxiliary_power_w", spec.auxiliary_power_w, 0.0, 1e6)?;
         spec.weather.check(&check)?;
+        if let Some(record) = &spec.calibration {
+            for (key, value, min, max) in [
+                (
+                    "calibration.held_out_mean_abs_error_pct",
+                    record.held_out_mean_abs_error_pct,
+                    0.0,
+                    1e6,
+                ),
+                (
+                    "calibration.held_out_total_error_pct",
+                    record.held_out_total_error_pct,
+                    -1e6,
+                    1e6,
+                ),
+                (
+                    "calibration.held_out_median_power_rmse_w",
+                    record.held_out_median_power_rmse_w,
+                    0.0,
+                    1e9,
+                ),
+            ] {
+                check.range(key, value, min, max)?;
+            }
+        }
         for figure in &spec.consumption {
             check.range(
                 "consumption.wall_kwh_per_100km",

@@ -149,7 +149,14 @@ impl Vehicle {
         let mut open: Vec<(String, &toml::Value)> = table
             .iter()
             .filter(|(key, _)| {
-                !["name", "description", "sources", "consumption"].contains(&key.as_str())
+                ![
+                    "name",
+                    "description",
+                    "sources",
+                    "consumption",
+                    "calibration",
+                ]
+                .contains(&key.as_str())
             })
             .map(|(key, value)| (key.clone(), value))
             .collect();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use driver_model::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
-use ev_energy::Vehicle;
+use ev_energy::{CalibrationRecord, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -90,6 +90,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
             let energies: Vec<&DriveEnergy> = of_vehicle.map(|entry| &entry.energy).collect();
             Totals {
                 vehicle: &vehicle.spec().name,
+                calibration: vehicle.spec().calibration,
                 totals: EnergyTotals::of(&energies),
             }
         })
@@ -128,6 +129,8 @@ struct Body<'a> {
 #[derive(Serialize)]
 struct Totals<'a> {
     vehicle: &'a str,
+    /// How far to trust it.
+    calibration: Option<CalibrationRecord>,
     #[serde(flatten)]
     totals: EnergyTotals,
 }

@@ -25,11 +25,28 @@ pub(super) fn text(body: &Body) -> String {
     }
     let mut text = trips.render();
     if body.logs.len() > body.totals.len() {
-        for Totals { vehicle, totals } in &body.totals {
+        for Totals {
+            vehicle, totals, ..
+        } in &body.totals
+        {
             budgets.row(budget_row(name("all", vehicle), &totals.modelled));
         }
     }
     let _ = write!(text, "\n{}\n{}", budgets.render(), totals(body).render());
+    for Totals {
+        vehicle,
+        calibration,
+        ..
+    } in &body.totals
+    {
+        if let Some(record) = calibration {
+            let _ = writeln!(
+                text,
+                "\n{vehicle}: calibrated with {} trips; a trip that it has not seen is off by {:.1} % on average.",
+                record.trips, record.held_out_mean_abs_error_pct
+            );
+        }
+    }
     text
 }
 
@@ -122,7 +139,10 @@ fn totals(body: &Body) -> Table {
         "mean |error| %",
         "median RMSE kW",
     ]);
-    for Totals { vehicle, totals } in &body.totals {
+    for Totals {
+        vehicle, totals, ..
+    } in &body.totals
+    {
         let per_100km =
             |energy_j: f64| energy_j / JOULES_PER_KWH / (totals.modelled.distance_m / 1e5);
         table.row([

@@ -1,6 +1,7 @@
 use drive_log::Drive;
 use ev_energy::{
-    Calibration, CalibrationTrip, Comparison, ParameterEstimate, Vehicle, calibrate, leave_one_out,
+    Calibration, CalibrationRecord, CalibrationTrip, Comparison, ParameterEstimate, Vehicle,
+    calibrate, leave_one_out,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -31,6 +32,20 @@ pub struct CalibrationReport {
     pub residuals: Residuals,
     /// Names of drives without measured power, which were left out.
     pub unmeasured: Vec<String>,
+}
+
+impl CalibrationReport {
+    /// What the vehicle file says of the calibration; `None` where no trip could be held out.
+    #[must_use]
+    pub fn record(&self) -> Option<CalibrationRecord> {
+        let score = &self.summary.held_out;
+        Some(CalibrationRecord {
+            trips: self.trips.len(),
+            held_out_mean_abs_error_pct: score.mean_abs_error_pct?,
+            held_out_total_error_pct: score.total_error_pct?,
+            held_out_median_power_rmse_w: score.median_power_rmse_w?,
+        })
+    }
 }
 
 /// Correlation of estimates.

@@ -135,7 +135,7 @@ impl EnergyTotals {
     }
 }
 
-/// Power over time, a value per mean.
+/// Power over time, a value per mean, rounded to more than a picture shows.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct PowerCurve {
     /// Time at the start of the mean, s.
@@ -150,10 +150,11 @@ pub struct PowerCurve {
 
 impl PowerCurve {
     fn add(&mut self, mean: &PowerMean, time_s: f64) {
-        self.time_s.push(time_s);
-        self.speed_mps.push(mean.speed_mps);
-        self.modelled_w.push(mean.modelled_w);
-        self.measured_w.push(mean.measured_w);
+        let thousandths = |value: f64| (value * 1e3).round() / 1e3;
+        self.time_s.push(thousandths(time_s));
+        self.speed_mps.push(thousandths(mean.speed_mps));
+        self.modelled_w.push(mean.modelled_w.round());
+        self.measured_w.push(mean.measured_w.map(f64::round));
     }
 }
 

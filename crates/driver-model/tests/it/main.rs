@@ -9,6 +9,7 @@
 )]
 
 mod closed_forms;
+mod energy;
 mod evaluation;
 mod fitting;
 mod model_file;

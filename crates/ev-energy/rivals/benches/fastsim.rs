@@ -19,8 +19,21 @@ fn main() {
         (energy.battery_energy_j, energy.distance_m)
     };
     let per_100km = |energy_j: f64| energy_j / JOULES_PER_KWH / (distance_m / 1e5);
-    println!("energy from the cells, kWh/100 km: ev-energy {:.2}", per_100km(ours_j));
-    println!("state of fastsim-core's battery: {:?}", walked().veh.bev().unwrap().res.state.energy_out_chemical);
+    println!(
+        "energy from the cells, kWh/100 km: ev-energy {:.2}",
+        per_100km(ours_j)
+    );
+    let theirs = walked();
+    let battery = &theirs.veh.bev().unwrap().res.state;
+    let theirs_j = battery
+        .energy_out_chemical
+        .get_fresh(String::new)
+        .unwrap()
+        .value;
+    println!(
+        "                                    fastsim-core {:.2}",
+        per_100km(theirs_j)
+    );
     divan::main();
 }
 
@@ -33,7 +46,8 @@ fn trip(speed_mps: &[f64]) -> Trip<'_> {
 }
 
 fn simulation() -> fastsim::SimDrive {
-    let mut vehicle = fastsim::Vehicle::from_resource("2022_Renault_Zoe_ZE50_R135.yaml", false).unwrap();
+    let mut vehicle =
+        fastsim::Vehicle::from_resource("2022_Renault_Zoe_ZE50_R135.yaml", false).unwrap();
     vehicle.set_save_interval(None).unwrap();
     vehicle.init().unwrap();
     let cycle = fastsim::Cycle::from_resource("udds.csv", false).unwrap();

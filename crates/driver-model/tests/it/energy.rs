@@ -1,0 +1,136 @@
+//! From logs to energy: what the vehicle model is given, and how well a calibrated one does on recorded drives.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
+use driver_model::{EnergyTotals, SlopeSource, calibrate_vehicle, drive_energy};
+use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
+
+const SAMPLES: usize = 3000;
+
+fn i3() -> Vehicle {
+    Vehicle::builtin("bmw-i3-60ah").unwrap()
+}
+
+fn drive(channels: &[(Channel, f64)]) -> Drive {
+    let speed = (0..SAMPLES).map(|i| (12.0 + 8.0 * (i as f64 * 0.01).sin()).max(0.0));
+    let mut all: BTreeMap<Channel, Vec<f64>> = channels
+        .iter()
+        .map(|(channel, value)| (*channel, vec![*value; SAMPLES]))
+        .collect();
+    all.insert(Channel::Speed, speed.collect());
+    Drive::from(DriveLog::new("drive", 0.0, 0.1, all).unwrap())
+}
+
+fn energy(channels: &[(Channel, f64)]) -> driver_model::DriveEnergy {
+    drive_energy(&drive(channels), &i3(), DEFAULT_SLOPE_BANDWIDTH_M, |_| {}).unwrap()
+}
+
+#[test]
+fn slope_comes_from_the_best_that_the_log_has() {
+    use Channel::{Accelerometer, Elevation, Slope};
+    for (channels, source) in [
+        (&[][..], SlopeSource::Level),
+        (&[(Elevation, 500.0)], SlopeSource::Elevation),
+        (&[(Accelerometer, 0.0)], SlopeSource::Accelerometer),
+        (
+            &[(Accelerometer, 0.0), (Elevation, 500.0)],
+            SlopeSource::ElevationAndAccelerometer,
+        ),
+        (
+            &[(Slope, 0.02), (Accelerometer, 0.0), (Elevation, 500.0)],
+            SlopeSource::Recorded,
+        ),
+    ] {
+        assert_eq!(energy(channels).slope.source, source);
+    }
+    let uphill = energy(&[(Slope, 0.02)]);
+    let level = energy(&[]);
+    let more_j = uphill.modelled.terminal_energy_j - level.modelled.terminal_energy_j;
+    assert!((uphill.slope.energy_j - more_j).abs() < 1e-6 && more_j > 0.0);
+    assert_eq!(level.slope.energy_j, 0.0);
+}
+
+#[test]
+fn auxiliaries_add_to_the_base_of_the_vehicle() {
+    let heated = energy(&[
+        (Channel::HeatingPower, 2000.0),
+        (Channel::AuxPower, f64::NAN),
+    ]);
+    assert!((heated.auxiliaries.mean_w.unwrap() - 2300.0).abs() < 1e-6);
+    assert_eq!(
+        heated.auxiliaries.source,
+        "base 300 W + aux_power_w + heating_power_w"
+    );
+    assert_eq!(energy(&[]).auxiliaries.source, "base 300 W");
+}
+
+#[test]
+fn cold_air_costs_energy_and_charge_is_followed() {
+    let at = |degc| energy(&[(Channel::AmbientTemperature, degc)]);
+    let (cold, mild) = (at(-5.0), at(20.0));
+    assert_eq!(cold.ambient_degc, Some(-5.0));
+    assert!(cold.modelled.terminal_energy_j > 1.05 * mild.modelled.terminal_energy_j);
+    let charged = energy(&[(Channel::StateOfCharge, 80.0)]);
+    let end_pct = charged.modelled.soc_end_pct.unwrap();
+    assert_eq!(charged.soc_start_pct, Some(80.0));
+    assert!((75.0..80.0).contains(&end_pct), "{end_pct}");
+    assert_eq!(mild.modelled.soc_end_pct, None);
+}
+
+#[test]
+fn the_curve_covers_the_drive_in_half_seconds() {
+    let curve = energy(&[
+        (Channel::BatteryVoltage, 380.0),
+        (Channel::BatteryCurrent, 10.0),
+    ]);
+    assert_eq!(curve.curve.time_s.len(), (SAMPLES - 1).div_ceil(5));
+    assert_eq!(curve.curve.time_s[1], 0.5);
+    assert!(curve.curve.measured_w.iter().all(|p| *p == Some(3800.0)));
+    let totals = EnergyTotals::of(&[&curve, &curve]);
+    let energy_j = 3800.0 * 0.1 * (SAMPLES - 1) as f64;
+    let measured_j = totals.measured_terminal_energy_j.unwrap();
+    assert!((measured_j - 2.0 * energy_j).abs() < 1e-3);
+    assert_eq!(totals.error_pct, curve.measured.error_pct);
+}
+
+/// Every third clean trip of the recorded BMW i3; all of them are in docs/results.md.
+#[test]
+fn a_calibrated_car_is_right_about_trips_it_has_not_seen() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/bmw-i3");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        eprintln!("skipped: no recorded data in {}", folder.display());
+        return;
+    };
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| {
+        let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+        !["TripA04", "TripB34"].contains(&name.as_str())
+    });
+    files.sort();
+    let drives: Vec<Drive> = files
+        .iter()
+        .step_by(3)
+        .map(|file| {
+            let mut logs = read_file(file, &LayoutChoice::Auto).unwrap().logs;
+            prepare(logs.remove(0), &Preparation::default()).unwrap()
+        })
+        .collect();
+    let drives: Vec<&Drive> = drives.iter().collect();
+    let report = calibrate_vehicle(&drives, &i3(), DEFAULT_SLOPE_BANDWIDTH_M, &|| {}).unwrap();
+    let (before, held_out) = (report.summary.start, report.summary.held_out);
+    assert!(held_out.mean_abs_error_pct.unwrap() < 6.0, "{held_out:?}");
+    assert!(
+        held_out.total_error_pct.unwrap().abs() < 2.0,
+        "{held_out:?}"
+    );
+    assert!(
+        held_out.median_power_rmse_w.unwrap() < 2000.0,
+        "{held_out:?}"
+    );
+    assert!(before.mean_abs_error_pct > held_out.mean_abs_error_pct);
+    let counts = report.residuals.speed.iter().map(|bin| bin.count);
+    let means: usize = report.residuals.power.iter().map(|bin| bin.count).sum();
+    assert_eq!(counts.sum::<usize>(), means);
+}
