@@ -42,12 +42,17 @@ fmt:
 bench crate="":
     cargo bench {{ if crate == "" { "--workspace" } else { "-p " + crate } }}
 
-# Fuzz for some seconds: `just fuzz read_log 600`, also read_layout, segment. Needs `cargo install cargo-fuzz`.
+# Fuzz for some seconds: `just fuzz read_log 600`, also read_layout, segment, read_vehicle. Needs `cargo install cargo-fuzz`.
 [group('work')]
 fuzz target="read_log" seconds="60":
-    cd crates/{{ if target == "segment" { "tseg" } else { "drive-log" } }} && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }}
+    cd crates/{{ if target == "segment" { "tseg" } else if target == "read_vehicle" { "ev-energy" } else { "drive-log" } }} && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }}
 
 # Make the simulated drives that ship with the project anew.
 [group('work')]
 fixtures:
     cargo run --release -p drivekit -- synth --noise -o fixtures/drives
+
+# The energy of a cycle against the crate fastsim-core; compiles for minutes.
+[group('work')]
+rivals:
+    cd crates/ev-energy/rivals && cargo bench

@@ -109,9 +109,12 @@ fn with_default(command: clap::Command, key: &str, value: &Value) -> anyhow::Res
         return Ok(command);
     };
     let values = texts(value)?;
-    Ok(command.mut_arg(id, |arg| match arg.get_action() {
-        ArgAction::Append => arg.default_values(values),
-        _ => arg.default_value(values.join(",")),
+    Ok(command.mut_arg(id, |arg| {
+        let arg = arg.required(false);
+        match arg.get_action() {
+            ArgAction::Append => arg.default_values(values),
+            _ => arg.default_value(values.join(",")),
+        }
     }))
 }
 

@@ -40,6 +40,24 @@ fn a_configuration_gives_defaults_and_a_flag_wins() {
 }
 
 #[test]
+fn a_configuration_gives_flags_that_must_be_given() {
+    let folder = TempDir::new().unwrap();
+    let config = folder.path().join("drivekit.toml");
+    let drive = fixture("drives/drive-01.csv");
+    for (text, vehicles) in [
+        ("vehicle = \"b250e\"\n", 1),
+        ("[energy]\nvehicle = [\"b250e\", \"vw-id3\"]\n", 2),
+    ] {
+        fs::write(&config, text).unwrap();
+        let config = config.to_str().unwrap();
+        let document = drivekit(&["energy", &drive, "--config", config, "--format", "json"])
+            .ok()
+            .json();
+        assert_eq!(document["totals"].as_array().unwrap().len(), vehicles);
+    }
+}
+
+#[test]
 fn a_bad_configuration_names_file_and_key() {
     let folder = TempDir::new().unwrap();
     let config = folder.path().join("drivekit.toml");

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 
+/// Enough for a thousand speeds times a thousand torques.
+const LARGEST_FILE: u64 = 64 << 20;
+
 const HEADER: &str = "speed_rad_s,torque_nm,loss_w";
 
 /// Losses of motor and inverter as a table, in place of the formula.
@@ -39,10 +42,17 @@ impl LossTable {
     /// [`Error::Read`], and [`Error::LossTable`] for anything that is not a whole table.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let failed = |source| Error::Read {
             file: file.clone(),
             source,
-        })?;
+        };
+        // A vehicle file may name anything, an endless device included.
+        let metadata = std::fs::metadata(path).map_err(failed)?;
+        if !metadata.is_file() || metadata.len() > LARGEST_FILE {
+            let problem = format!("is no file of at most {LARGEST_FILE} bytes");
+            return Err(failed(std::io::Error::other(problem)));
+        }
+        let text = std::fs::read_to_string(path).map_err(failed)?;
         Self::from_csv(&text, &file)
     }
 

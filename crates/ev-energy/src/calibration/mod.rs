@@ -16,13 +16,16 @@ use problem::Problem;
 pub use trip::CalibrationTrip;
 
 /// A value this near to a bound, as a share of the width of the bounds, ran into it.
-const AT_BOUND: f64 = 0.005;
+const AT_BOUND: f64 = 0.025;
 
 /// An interval of this share of the bounds tells nothing.
 const UNTOLD: f64 = 0.5;
 
 /// Two parameters that correlate more than this cannot be told apart.
 const ALIKE: f64 = 0.95;
+
+/// A parameter with this share of the largest effect, over the width of its bounds, has none.
+const NO_EFFECT: f64 = 1e-4;
 
 /// Rise of a parameter by which its effect is measured.
 const SENSITIVITY_SHARE: f64 = 0.1;
@@ -255,14 +258,17 @@ impl Calibration {
     }
 }
 
-/// Correlations of least-squares estimates with these derivatives of the residuals: those of `(JᵀJ)⁻¹`, the pseudo-inverse where
-/// the residuals do not depend on a parameter.
+/// Correlations of least-squares estimates with these derivatives of the residuals: those of `(JᵀJ)⁻¹`. Parameters next to without
+/// effect correlate with nothing.
 fn correlation(derivatives: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let mut scaled = derivatives.clone();
-    for mut column in scaled.column_iter_mut() {
-        let norm = column.norm();
-        if norm > 0.0 {
+    let norms: Vec<f64> = scaled.column_iter().map(|column| column.norm()).collect();
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    for (mut column, norm) in scaled.column_iter_mut().zip(norms) {
+        if norm > NO_EFFECT * largest {
             column /= norm;
+        } else {
+            column.fill(0.0);
         }
     }
     let curvature = SymmetricEigen::new(scaled.tr_mul(&scaled));

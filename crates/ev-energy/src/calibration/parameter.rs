@@ -109,13 +109,13 @@ const PARAMETERS: [Parameter; 14] = [
         key: "regeneration.fade_start_mps",
         unit: "m/s",
         value: |spec| Some(&mut spec.regeneration.fade_start_mps),
-        bounds: |_| (0.0, 1.5),
+        bounds: |_| (0.0, 2.0),
     },
     Parameter {
         key: "regeneration.fade_end_mps",
         unit: "m/s",
         value: |spec| Some(&mut spec.regeneration.fade_end_mps),
-        bounds: |_| (1.6, 8.0),
+        bounds: |_| (2.05, 10.0),
     },
 ];
 
