@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::trip::{JOULES_PER_KWH, Trip};
+use crate::trip::Trip;
+use crate::trip_energy::JOULES_PER_KWH;
 use crate::vehicle::Vehicle;
 
 /// A standard driving cycle on a level road, one value a second.

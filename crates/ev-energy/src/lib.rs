@@ -62,6 +62,7 @@ mod operating_point;
 mod road_load;
 mod scalar;
 mod trip;
+mod trip_energy;
 mod vehicle;
 mod vehicle_check;
 mod weather;
@@ -78,7 +79,8 @@ pub use loss_table::{LossTable, LossTableSpec};
 pub use motor::{Motor, MotorLossSpec, MotorSpec, RegenerationSpec};
 pub use operating_point::{Limited, OperatingPoint};
 pub use road_load::RoadLoadSpec;
-pub use trip::{Budget, JOULES_PER_KWH, LimitedTotals, Trip, TripEnergy, TripPoints, WheelEnergy};
+pub use trip::{Trip, TripPoints};
+pub use trip_energy::{Budget, JOULES_PER_KWH, LimitedTotals, TripEnergy, WheelEnergy};
 pub use vehicle::{
     CalibrationRecord, Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec,
 };

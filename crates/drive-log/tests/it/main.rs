@@ -9,6 +9,7 @@
 )]
 
 mod bad_input;
+mod heating;
 mod layouts;
 mod quality;
 mod real_data;

@@ -4,7 +4,7 @@ use drive_log::{Action, Channel, Checked, FindingKind, Preparation, RawLog, chec
 
 use crate::{raw, same, ten_hertz};
 
-fn kinds(checked: &Checked) -> Vec<(FindingKind, &str, Action)> {
+pub(crate) fn kinds(checked: &Checked) -> Vec<(FindingKind, &str, Action)> {
     checked
         .findings
         .iter()
@@ -14,7 +14,7 @@ fn kinds(checked: &Checked) -> Vec<(FindingKind, &str, Action)> {
 
 /// A car in traffic: lively speed, torque, volts, amps and a level road with bumps, `len` samples
 /// at 10 Hz.
-fn traffic(len: usize) -> RawLog {
+pub(crate) fn traffic(len: usize) -> RawLog {
     let wave = |f: f64, i: usize| (i as f64 * f).sin();
     let speed: Vec<f64> = (0..len)
         .map(|i| 15.0 + 5.0 * wave(0.013, i) + 0.1 * wave(0.7, i))
@@ -49,7 +49,11 @@ fn traffic(len: usize) -> RawLog {
     raw(ten_hertz(len), channels)
 }
 
-fn changed(log: &RawLog, channel: Channel, change: impl FnOnce(&mut Vec<f64>)) -> RawLog {
+pub(crate) fn changed(
+    log: &RawLog,
+    channel: Channel,
+    change: impl FnOnce(&mut Vec<f64>),
+) -> RawLog {
     let channels = log.channels().map(|(c, values)| (c, values.to_vec()));
     let mut channels: std::collections::BTreeMap<_, _> = channels.collect();
     change(
@@ -349,129 +353,6 @@ fn a_current_of_the_wrong_sign() {
         a.iter_mut().for_each(|a| *a = -*a);
     });
     assert_eq!(check(short).findings, []);
-}
-
-fn pulses(log: &RawLog) -> RawLog {
-    changed(log, Channel::HeatingPower, |heating| {
-        for at in [500, 1500, 1800, 2500, 3700, 4100] {
-            heating[at..at + 10].fill(5520.0);
-        }
-    })
-}
-
-#[test]
-fn pulses_that_the_battery_does_not_feel() {
-    let checked = check(pulses(&traffic(6000)));
-    assert_eq!(
-        kinds(&checked),
-        [(FindingKind::Sentinel, "heating_power_w", Action::Removed)]
-    );
-    let heating = checked.log.channel(Channel::HeatingPower).unwrap();
-    assert_eq!(heating.iter().filter(|v| v.is_nan()).count(), 60);
-    assert!(heating.iter().all(|v| v.is_nan() || *v == 0.0));
-}
-
-#[test]
-fn pulses_that_the_battery_feels_are_heat() {
-    let log = pulses(&traffic(6000));
-    let heating = log.channel(Channel::HeatingPower).unwrap().to_vec();
-    let log = changed(&log, Channel::BatteryCurrent, |a| {
-        a.iter_mut()
-            .zip(&heating)
-            .for_each(|(a, h)| *a += h / 380.0);
-    });
-    assert_eq!(check(log).findings, []);
-}
-
-#[test]
-fn a_pinned_heater() {
-    let log = changed(&traffic(6000), Channel::HeatingPower, |heating| {
-        heating.fill(1520.0);
-        heating[4000..4500]
-            .iter_mut()
-            .enumerate()
-            .for_each(|(i, v)| *v += i as f64);
-    });
-    let checked = check(log);
-    assert_eq!(
-        kinds(&checked),
-        [(FindingKind::Pinned, "heating_power_w", Action::Dropped)]
-    );
-    assert!(checked.log.channel(Channel::HeatingPower).is_none());
-    let off = changed(&traffic(6000), Channel::HeatingPower, |heating| {
-        heating[10..900].fill(700.0);
-    });
-    assert_eq!(check(off).findings, []);
-}
-
-/// A stop of a minute, at which the battery gives `battery_w`.
-fn stopped(battery_w: f64) -> RawLog {
-    let mut log = traffic(6000);
-    for channel in [Channel::Speed, Channel::MotorTorque, Channel::Accel] {
-        log = changed(&log, channel, |values| {
-            for (i, v) in values[1900..2600].iter_mut().enumerate() {
-                let ramp = if i < 100 { 1.0 - i as f64 / 100.0 } else { 0.0 };
-                *v *= ramp.max((i as f64 - 600.0) / 100.0);
-            }
-        });
-    }
-    log = changed(&log, Channel::BatteryVoltage, |v| v[2000..2500].fill(380.0));
-    changed(&log, Channel::BatteryCurrent, |a| {
-        for (i, a) in a[2000..2500].iter_mut().enumerate() {
-            *a = (battery_w + (i as f64 * 0.3).sin()) / 380.0;
-        }
-    })
-}
-
-/// A heater that changes its power, up to 2 kW.
-fn heater(values: &mut [f64]) {
-    for (i, v) in values.iter_mut().enumerate() {
-        *v = 1500.0 + 500.0 * (i as f64 * 0.01).sin();
-    }
-}
-
-#[test]
-fn heating_that_the_battery_contradicts_at_standstill() {
-    let cold = changed(&stopped(500.0), Channel::HeatingPower, |h| heater(h));
-    let checked = check(cold);
-    assert_eq!(
-        kinds(&checked),
-        [(
-            FindingKind::Contradicted,
-            "heating_power_w",
-            Action::Dropped
-        )]
-    );
-    let warm = changed(&stopped(2500.0), Channel::HeatingPower, |h| heater(h));
-    assert_eq!(check(warm).findings, []);
-    // without volts and amps nobody can tell
-    let blind = changed(&traffic(6000), Channel::HeatingPower, |h| heater(h));
-    assert_eq!(check(blind).findings, []);
-}
-
-#[test]
-fn requested_heating_replaces_what_is_missing_unless_it_is_contradicted() {
-    let requested = changed(&stopped(2500.0), Channel::HeatingRequest, |h| heater(h));
-    let checked = check(requested);
-    assert_eq!(
-        kinds(&checked),
-        [(FindingKind::Missing, "heating_power_w", Action::Replaced)]
-    );
-    assert_eq!(
-        checked.log.channel(Channel::HeatingPower),
-        checked.log.channel(Channel::HeatingRequest)
-    );
-    let ignored = changed(&stopped(500.0), Channel::HeatingRequest, |h| heater(h));
-    let checked = check(ignored);
-    assert_eq!(
-        kinds(&checked),
-        [(
-            FindingKind::Contradicted,
-            "heating_request_w",
-            Action::Dropped
-        )]
-    );
-    assert_eq!(checked.log.channel(Channel::HeatingPower), None);
 }
 
 #[test]
