@@ -59,7 +59,10 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     let report = calibrate_vehicle(&drives, &start, args.slope_bandwidth, &|| progress.step())?;
     drop(progress);
     for name in &report.unmeasured {
-        output::note(context, &format!("{name} has no volts and amps; left out"));
+        output::note(
+            context,
+            &format!("{name} has less than a minute of volts and amps; left out"),
+        );
     }
 
     let file = vehicle_file(&args.output, &report).to_toml()?;

@@ -82,7 +82,8 @@ fn logs_without_battery_are_named_or_refused() {
     let drive = fixture("drives/drive-01.csv");
     let run = drivekit(&["calibrate", blind, &drive, "--vehicle", "b250e", "-o", out]).ok();
     assert!(
-        run.stderr.contains("blind has no volts and amps"),
+        run.stderr
+            .contains("blind has less than a minute of volts and amps"),
         "{}",
         run.stderr
     );

@@ -9,6 +9,9 @@ use serde::Serialize;
 use super::input::EnergyInput;
 use crate::Error;
 
+/// A drive must have measured power for this long: every drive weighs the same.
+const SHORTEST_S: f64 = 60.0;
+
 /// Bins of [`Residuals`] hold this or nothing.
 const SPEED_BIN_MPS: f64 = 2.5;
 const POWER_BIN_W: f64 = 5e3;
@@ -30,7 +33,7 @@ pub struct CalibrationReport {
     pub summary: CalibrationSummary,
     /// Model minus measured power of the fitted vehicle.
     pub residuals: Residuals,
-    /// Names of drives without measured power, which were left out.
+    /// Names of drives with less than a minute of measured power, which were left out.
     pub unmeasured: Vec<String>,
 }
 
@@ -156,8 +159,8 @@ pub struct ResidualBin {
     pub rms_w: f64,
 }
 
-/// Fits a vehicle to the measured power of drives and leaves out one trip after the other. Drives without measured power are left
-/// out. `finished` is called after every fit, of which there is one more than measured drives.
+/// Fits a vehicle to the measured power of drives and leaves out one trip after the other. Drives with less than a minute of
+/// measured power are left out. `finished` is called after every fit, of which there is one more than measured drives.
 ///
 /// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
 ///
@@ -175,9 +178,9 @@ pub fn calibrate_vehicle(
         .collect::<Result<_, Error>>()?;
     let (measured, unmeasured): (Vec<_>, Vec<_>) = measured
         .into_iter()
-        .partition(|drive| drive.trip.means() > 0);
+        .partition(|drive| drive.trip.measured_s() >= SHORTEST_S);
     let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
-    let all = calibrate(vehicle, vehicle, &trips)?;
+    let all = calibrate(vehicle, &trips)?;
     finished();
     // Of one trip nothing can be left out.
     let left_out = if trips.len() > 1 { trips.len() } else { 0 };

@@ -70,67 +70,85 @@ pub struct ParameterEstimate {
     pub remark: String,
 }
 
-/// Fits a vehicle to trips by robust least squares within bounds, see the methods page.
-///
-/// The bounds are set around the values of `vehicle`; the search starts at `start`, a vehicle that differs from it in fitted
-/// parameters only. Intervals are left open, see [`Calibration::with_intervals`].
+/// Fits a vehicle to trips by robust least squares within bounds, see the methods page. Intervals are left open, see
+/// [`Calibration::with_intervals`].
 ///
 /// # Errors
 /// [`Error::Calibration`] without measured power, or where the fit fails.
-pub fn calibrate(
-    vehicle: &Vehicle,
-    start: &Vehicle,
-    trips: &[&CalibrationTrip],
-) -> Result<Calibration, Error> {
-    if trips.is_empty() || trips.iter().any(|trip| trip.means() == 0) {
-        return Err(Error::Calibration {
-            problem: "a trip has no measured power; leave it out".to_owned(),
-        });
+pub fn calibrate(vehicle: &Vehicle, trips: &[&CalibrationTrip]) -> Result<Calibration, Error> {
+    let Fit { bounded, values } = fit(vehicle, None, trips)?;
+    let mut spec = vehicle.spec().clone();
+    for (parameter, value) in bounded.iter().zip(&values) {
+        parameter.set(&mut spec, *value);
+        let source = format!(
+            "fitted to the measured battery power of {} trips",
+            trips.len()
+        );
+        spec.sources.insert(
+            parameter.key().to_owned(),
+            Source {
+                source,
+                confidence: Confidence::Fitted,
+            },
+        );
     }
-    let with_winter = trips.iter().any(|trip| trip.is_colder_than(SUMMER_DEGC));
-    let bounded = Bounded::of(vehicle.spec(), with_winter);
-    let mut fitted = Problem::new(start.spec(), &bounded, trips).solve()?;
-    let derivatives = Problem::new(&fitted, &bounded, trips).derivatives();
-    let correlation = derivatives.map_or_else(Vec::new, |d| correlation(&d));
-    let parameters: Vec<ParameterEstimate> = bounded
+    spec.add_weather_source();
+    let derivatives = Problem::new(vehicle.spec(), &values, &bounded, trips).derivatives();
+    let parameters = bounded
         .iter()
-        .map(|parameter| {
-            let value = parameter.get(&mut fitted);
-            ParameterEstimate {
-                key: parameter.parameter.key,
-                unit: parameter.parameter.unit,
-                start: parameter.start,
-                value,
-                lower: parameter.lower,
-                upper: parameter.upper,
-                std_error: None,
-                ci95: None,
-                sensitivity_w: 0.0,
-                identified: true,
-                remark: String::new(),
-            }
+        .zip(values)
+        .map(|(parameter, value)| ParameterEstimate {
+            key: parameter.key(),
+            unit: parameter.unit(),
+            start: parameter.start,
+            value,
+            lower: parameter.lower,
+            upper: parameter.upper,
+            std_error: None,
+            ci95: None,
+            sensitivity_w: 0.0,
+            identified: true,
+            remark: String::new(),
         })
         .collect();
-    for parameter in &parameters {
-        let source = Source {
-            source: format!(
-                "fitted to the measured battery power of {} trips",
-                trips.len()
-            ),
-            confidence: Confidence::Fitted,
-        };
-        fitted.sources.insert(parameter.key.to_owned(), source);
-    }
-    fitted.add_weather_source();
-    let fitted = Vehicle::new(fitted)?;
     let mut calibration = Calibration {
-        vehicle: fitted,
+        vehicle: Vehicle::new(spec)?,
         parameters,
-        correlation,
+        correlation: derivatives.map_or_else(Vec::new, |d| correlation(&d)),
     };
     calibration.add_sensitivity(&bounded, trips)?;
     calibration.judge();
     Ok(calibration)
+}
+
+/// Fitted values of the parameters that a vehicle and trips have.
+struct Fit {
+    bounded: Vec<Bounded>,
+    values: Vec<f64>,
+}
+
+/// Fits, from the vehicle's own values or those of another fit, without effect on the bounds.
+fn fit(
+    vehicle: &Vehicle,
+    from: Option<&Calibration>,
+    trips: &[&CalibrationTrip],
+) -> Result<Fit, Error> {
+    if trips.is_empty() || trips.iter().any(|trip| trip.means() == 0) {
+        return Err(Error::Calibration {
+            problem: "there is no measured power, or a trip without; leave it out".to_owned(),
+        });
+    }
+    let with_winter = trips.iter().any(|trip| trip.is_colder_than(SUMMER_DEGC));
+    let bounded = Bounded::of(vehicle.spec(), with_winter);
+    let starts: Vec<f64> = bounded
+        .iter()
+        .map(|parameter| {
+            from.and_then(|fit| fit.value(parameter.key()))
+                .unwrap_or(parameter.start)
+        })
+        .collect();
+    let values = Problem::new(vehicle.spec(), &starts, &bounded, trips).solve()?;
+    Ok(Fit { bounded, values })
 }
 
 /// What a fit without one trip says.
@@ -142,31 +160,44 @@ pub struct Fold {
     pub held_out: Comparison,
 }
 
-/// Fits without the trip number `left_out`, from the fit to all of them, and compares the trip with the result.
+/// Fits without the trip number `left_out`, starting from the fit to all of them, and compares the trip with the result.
 ///
 /// # Errors
-/// As [`calibrate`], and [`Error::Calibration`] where no trip is left.
+/// As [`calibrate`]; [`Error::Calibration`] also where there is no such trip, or no other.
 pub fn leave_one_out(
     vehicle: &Vehicle,
     all: &Calibration,
     trips: &[&CalibrationTrip],
     left_out: usize,
 ) -> Result<Fold, Error> {
+    let held_out = trips.get(left_out).ok_or_else(|| Error::Calibration {
+        problem: format!("no trip number {left_out} to leave out"),
+    })?;
     let mut others = trips.to_vec();
-    let held_out = others.remove(left_out);
-    let fit = calibrate(vehicle, &all.vehicle, &others)?;
-    // Without the only cold trip there is no surcharge to fit.
+    others.remove(left_out);
+    let Fit { bounded, values } = fit(vehicle, Some(all), &others)?;
+    let mut spec = vehicle.spec().clone();
+    for (parameter, value) in bounded.iter().zip(values) {
+        parameter.set(&mut spec, value);
+    }
+    // Without the only cold trip the surcharge stays what it was before.
+    let values = Bounded::of(&spec, true);
     let value = |parameter: &ParameterEstimate| {
-        let found = fit.parameters.iter().find(|p| p.key == parameter.key);
-        found.map_or(parameter.value, |found| found.value)
+        let mut found = values.iter().filter(|p| p.key() == parameter.key);
+        found.next().map_or(parameter.start, |found| found.start)
     };
     Ok(Fold {
         values: all.parameters.iter().map(value).collect(),
-        held_out: held_out.compare(&fit.vehicle)?,
+        held_out: held_out.compare(&Vehicle::new(spec)?)?,
     })
 }
 
 impl Calibration {
+    fn value(&self, key: &str) -> Option<f64> {
+        let found = self.parameters.iter().find(|p| p.key == key);
+        found.map(|found| found.value)
+    }
+
     /// Adds standard errors and intervals by the jackknife over trips: `se² = (n − 1)/n Σ (p_k − p̄)²`, which holds however the
     /// errors within a trip depend on each other. Less than three folds say nothing.
     pub fn with_intervals(mut self, folds: &[Fold]) -> Self {

@@ -3,10 +3,10 @@ use crate::vehicle::VehicleSpec;
 
 /// A value of a vehicle file that power measurements may tell.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Parameter {
+struct Parameter {
     /// Dotted key.
-    pub(crate) key: &'static str,
-    pub(crate) unit: &'static str,
+    key: &'static str,
+    unit: &'static str,
     /// The value, `None` where the vehicle has no such key.
     value: fn(&mut VehicleSpec) -> Option<&mut f64>,
     /// Bounds for a start value, wide enough for any other car of its kind.
@@ -115,14 +115,14 @@ const PARAMETERS: [Parameter; 14] = [
         key: "regeneration.fade_end_mps",
         unit: "m/s",
         value: |spec| Some(&mut spec.regeneration.fade_end_mps),
-        bounds: |_| (2.05, 10.0),
+        bounds: |_| (2.05, 6.0),
     },
 ];
 
 /// A parameter of one vehicle within its bounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounded {
-    pub(crate) parameter: Parameter,
+    parameter: Parameter,
     pub(crate) start: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
@@ -148,8 +148,12 @@ impl Bounded {
             .collect()
     }
 
-    pub(crate) fn get(&self, spec: &mut VehicleSpec) -> f64 {
-        (self.parameter.value)(spec).map_or(f64::NAN, |value| *value)
+    pub(crate) fn key(&self) -> &'static str {
+        self.parameter.key
+    }
+
+    pub(crate) fn unit(&self) -> &'static str {
+        self.parameter.unit
     }
 
     pub(crate) fn set(&self, spec: &mut VehicleSpec, value: f64) {

@@ -1,7 +1,7 @@
 //! Robust least squares within bounds.
 //!
 //! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + (ΔE/(s E))² ]` with `ρ(x) = 2 δ² (√(1 + x²/δ²) − 1)`, where `ΔP` is the
-//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy. Every trip weighs the same however
+//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy, `E` at least `σ` times its duration. Every trip weighs the same however
 //! long. The bounds are removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -43,29 +43,29 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// A problem that starts at the values of `start`.
+    /// A problem that starts at some values of the parameters; the others are those of `spec`.
     pub(super) fn new(
-        start: &VehicleSpec,
+        spec: &VehicleSpec,
+        starts: &[f64],
         parameters: &'a [Bounded],
         trips: &'a [&'a CalibrationTrip],
     ) -> Self {
-        let mut spec = start.clone();
-        let free = parameters.iter().map(|parameter| {
-            let share = (parameter.get(&mut spec) - parameter.lower) / parameter.width();
+        let free = parameters.iter().zip(starts).map(|(parameter, start)| {
+            let share = (start - parameter.lower) / parameter.width();
             let inside = share.clamp(START_MARGIN, 1.0 - START_MARGIN);
             (2.0 * inside - 1.0).asin()
         });
         let free = DVector::from_iterator(parameters.len(), free);
         Self {
-            spec,
+            spec: spec.clone(),
             parameters,
             trips,
             free,
         }
     }
 
-    /// Solves it; the vehicle of the best parameters.
-    pub(super) fn solve(self) -> Result<VehicleSpec, Error> {
+    /// Solves it; the best values of the parameters.
+    pub(super) fn solve(self) -> Result<Vec<f64>, Error> {
         let solver = LevenbergMarquardt::new()
             .with_ftol(TOLERANCE)
             .with_xtol(TOLERANCE)
@@ -77,21 +77,24 @@ impl<'a> Problem<'a> {
                 problem: format!("the fit stopped with {:?}", report.termination),
             });
         }
-        Ok(solved.spec_at(&solved.values()))
+        Ok(solved.values())
     }
 
     fn values(&self) -> Vec<f64> {
         self.parameters
             .iter()
             .zip(self.free.iter())
-            .map(|(parameter, q)| parameter.lower + parameter.width() * 0.5 * (1.0 + q.sin()))
+            .map(|(parameter, q)| {
+                let value = parameter.lower + parameter.width() * 0.5 * (1.0 + q.sin());
+                value.clamp(parameter.lower, parameter.upper)
+            })
             .collect()
     }
 
     fn spec_at(&self, values: &[f64]) -> VehicleSpec {
         let mut spec = self.spec.clone();
         for (parameter, value) in self.parameters.iter().zip(values) {
-            parameter.set(&mut spec, value.clamp(parameter.lower, parameter.upper));
+            parameter.set(&mut spec, *value);
         }
         spec
     }
@@ -102,16 +105,19 @@ impl<'a> Problem<'a> {
         let mut residuals = Vec::with_capacity(self.len());
         for trip in self.trips {
             let weight = 1.0 / (trip.means() as f64).sqrt();
-            let (mut modelled_j, mut measured_j) = (0.0, 0.0);
+            let (mut modelled_j, mut measured_j, mut duration_s) = (0.0, 0.0, 0.0);
             trip.for_each_mean(&vehicle, |mean, _| {
                 let measured_w = mean.measured_w.unwrap_or_default();
                 let off = (mean.modelled_w - measured_w) / POWER_SCALE_W;
                 residuals.push(weight * robust(off));
                 modelled_j += mean.modelled_w * mean.duration_s;
                 measured_j += measured_w * mean.duration_s;
+                duration_s += mean.duration_s;
             })
             .ok()?;
-            residuals.push((modelled_j - measured_j) / (ENERGY_SHARE * measured_j.abs()));
+            // A trip downhill may have taken next to nothing.
+            let scale_j = f64::abs(measured_j).max(POWER_SCALE_W * duration_s);
+            residuals.push((modelled_j - measured_j) / (ENERGY_SHARE * scale_j));
         }
         Some(residuals)
     }

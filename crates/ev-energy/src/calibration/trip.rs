@@ -9,6 +9,7 @@ use crate::weather::Weather;
 pub struct CalibrationTrip {
     pieces: Vec<Piece>,
     means: usize,
+    measured_s: f64,
 }
 
 /// A motion of its own.
@@ -46,10 +47,12 @@ impl CalibrationTrip {
             weather: trip.weather,
             power_w: power_w.to_vec(),
         });
-        self.means = 0;
-        let mut means = 0;
-        self.for_each_mean(vehicle, |_, _| means += 1)?;
-        self.means = means;
+        let (mut means, mut measured_s) = (0, 0.0);
+        self.for_each_mean(vehicle, |mean, _| {
+            means += 1;
+            measured_s += mean.duration_s;
+        })?;
+        (self.means, self.measured_s) = (means, measured_s);
         Ok(())
     }
 
@@ -57,6 +60,12 @@ impl CalibrationTrip {
     #[must_use]
     pub fn means(&self) -> usize {
         self.means
+    }
+
+    /// Time with measured power, s.
+    #[must_use]
+    pub fn measured_s(&self) -> f64 {
+        self.measured_s
     }
 
     /// Whether any piece was driven in colder air.

@@ -79,7 +79,7 @@ fn truth(change: impl FnOnce(&mut VehicleSpec)) -> Vehicle {
 
 fn fit(trips: &[CalibrationTrip]) -> Calibration {
     let trips: Vec<&CalibrationTrip> = trips.iter().collect();
-    calibrate(&i3(), &i3(), &trips).unwrap()
+    calibrate(&i3(), &trips).unwrap()
 }
 
 #[test]
@@ -124,6 +124,10 @@ fn intervals_come_from_leaving_trips_out_and_hold_the_truth() {
     for fold in &folds {
         assert!(fold.held_out.error_pct().unwrap().abs() < 5.0);
     }
+    assert!(matches!(
+        leave_one_out(&i3(), &all, &refs, trips.len()),
+        Err(Error::Calibration { .. })
+    ));
     let all = all.with_intervals(&folds);
     let mass = &all.parameters[0];
     assert_eq!(mass.key, "mass_kg");
@@ -135,6 +139,23 @@ fn intervals_come_from_leaving_trips_out_and_hold_the_truth() {
     assert!(mass.identified && mass.std_error.unwrap() > 0.0);
     let n = all.parameters.len();
     assert!(all.correlation.len() == n && all.correlation.iter().all(|row| row.len() == n));
+}
+
+#[test]
+fn a_trip_that_is_left_out_leaves_nothing_behind() {
+    let trips = trips(&truth(|_| {}), 6, 100.0);
+    // the last one is the only cold one
+    let refs: Vec<&CalibrationTrip> = [0, 2, 4, 1].map(|k| &trips[k]).to_vec();
+    let all = calibrate(&i3(), &refs).unwrap();
+    let surcharge = all
+        .parameters
+        .iter()
+        .position(|p| p.key == "weather.winter_rolling_surcharge")
+        .unwrap();
+    assert!(all.parameters[surcharge].value > 0.2);
+    let fold = leave_one_out(&i3(), &all, &refs, 3).unwrap();
+    assert_eq!(fold.values[surcharge], 0.0);
+    assert!(fold.held_out.error_pct().unwrap() < -2.0);
 }
 
 #[test]
@@ -172,7 +193,7 @@ fn without_measured_power_there_is_nothing_to_fit() {
         .add(&i3(), &trip, &vec![f64::NAN; SAMPLES - 1])
         .unwrap();
     assert_eq!(blind.means(), 0);
-    let error = calibrate(&i3(), &i3(), &[&blind]).unwrap_err();
+    let error = calibrate(&i3(), &[&blind]).unwrap_err();
     assert!(matches!(error, Error::Calibration { .. }), "{error}");
     let short = blind.add(&i3(), &trip, &[1.0]).unwrap_err();
     assert!(
