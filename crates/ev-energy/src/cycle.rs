@@ -36,13 +36,28 @@ impl Cycle {
     pub fn speed_mps(self) -> Vec<f64> {
         const MPS_PER_MPH: f64 = 0.44704;
         const MPS_PER_KMH: f64 = 1.0 / 3.6;
-        let (text, mps) = match self {
-            Cycle::Udds => (include_str!("../cycles/udds.txt"), MPS_PER_MPH),
-            Cycle::Hwfet => (include_str!("../cycles/hwfet.txt"), MPS_PER_MPH),
-            Cycle::Nedc => (include_str!("../cycles/nedc.txt"), MPS_PER_KMH),
+        let (text, mps, duration_s) = match self {
+            Cycle::Udds => (
+                include_str!("../../../fixtures/cycles/udds.csv"),
+                MPS_PER_MPH,
+                1369,
+            ),
+            Cycle::Hwfet => (
+                include_str!("../../../fixtures/cycles/hwfet.csv"),
+                MPS_PER_MPH,
+                765,
+            ),
+            // The file goes on at standstill.
+            Cycle::Nedc => (
+                include_str!("../../../fixtures/cycles/nedc.csv"),
+                MPS_PER_KMH,
+                1180,
+            ),
         };
         text.lines()
-            .filter_map(|line| line.parse::<f64>().ok())
+            .skip(1)
+            .filter_map(|line| line.split(',').nth(1)?.parse::<f64>().ok())
+            .take(duration_s + 1)
             .map(|speed| speed * mps)
             .collect()
     }
