@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Trip, Vehicle, library, slope_from_elevation};
+use ev_energy::{
+    DEFAULT_SLOPE_BANDWIDTH_M, Trip, Vehicle, library, slope_from_accelerometer,
+    slope_from_elevation,
+};
 
 /// One hour at 10 Hz.
 const SAMPLES: usize = 36_000;
@@ -52,6 +55,39 @@ fn trip_on_the_level(bencher: Bencher) {
     bencher
         .counter(ItemsCount::new(SAMPLES))
         .bench(|| vehicle.trip_energy(black_box(&trip)).unwrap());
+}
+
+/// The voltage follows the state of charge, step by step.
+#[divan::bench]
+fn trip_with_charge(bencher: Bencher) {
+    let vehicle = Vehicle::builtin("bmw-i3-60ah").unwrap();
+    let (speed_mps, slope_rad) = drive();
+    let trip = Trip {
+        step_s: STEP_S,
+        speed_mps: &speed_mps,
+        slope_rad: Some(&slope_rad),
+        soc_start_pct: Some(80.0),
+        ..Trip::default()
+    };
+    bencher
+        .counter(ItemsCount::new(SAMPLES))
+        .bench(|| vehicle.trip_energy(black_box(&trip)).unwrap());
+}
+
+#[divan::bench]
+fn slope_with_accelerometer(bencher: Bencher) {
+    let (speed_mps, slope_rad) = drive();
+    let elevation_m: Vec<f64> = (0..SAMPLES).map(|i| (i as f64 * 1e-3).sin()).collect();
+    bencher.counter(ItemsCount::new(SAMPLES)).bench(|| {
+        slope_from_accelerometer(
+            STEP_S,
+            black_box(&speed_mps),
+            &slope_rad,
+            Some(&elevation_m),
+            DEFAULT_SLOPE_BANDWIDTH_M,
+        )
+        .unwrap()
+    });
 }
 
 #[divan::bench]

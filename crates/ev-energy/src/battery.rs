@@ -37,7 +37,9 @@ pub struct VoltageCurveSpec {
 pub struct Battery {
     nominal: Cells,
     resistance_ohm: f64,
-    charge: Option<Charge>,
+    /// State of charge per charge given, %/(A s).
+    pct_per_as: Option<f64>,
+    curve: Option<VoltageCurveSpec>,
 }
 
 /// The cells at one state of charge.
@@ -47,11 +49,15 @@ pub(crate) struct Cells {
     max_power_w: f64,
 }
 
-/// What tracks the state of charge.
-#[derive(Debug, Clone, PartialEq)]
-struct Charge {
-    capacity_ah: f64,
-    curve: Option<VoltageCurveSpec>,
+/// A piece of the voltage curve, from one point to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct VoltagePiece {
+    from_pct: f64,
+    to_pct: f64,
+    from_v: f64,
+    v_per_pct: f64,
+    /// `1/4R`.
+    per_four_ohm: f64,
 }
 
 /// What a battery does under an electric power demand. Discharging is positive.
@@ -88,23 +94,21 @@ impl Battery {
         if let Some(curve) = &spec.open_circuit_voltage_curve {
             curve.check(check)?;
         }
-        let charge = match (spec.capacity_ah, &spec.open_circuit_voltage_curve) {
-            (Some(capacity_ah), curve) => Some(Charge {
-                capacity_ah: check.range("battery.capacity_ah", capacity_ah, 0.1, 1e5)?,
-                curve: curve.clone(),
-            }),
-            (None, None) => None,
-            (None, Some(_)) => {
-                return Err(check.problem(
-                    "battery.capacity_ah",
-                    "is missing; a voltage curve needs it to follow the state of charge",
-                ));
-            }
-        };
+        let capacity_ah = spec
+            .capacity_ah
+            .map(|capacity_ah| check.range("battery.capacity_ah", capacity_ah, 0.1, 1e5))
+            .transpose()?;
+        if capacity_ah.is_none() && spec.open_circuit_voltage_curve.is_some() {
+            return Err(check.problem(
+                "battery.capacity_ah",
+                "is missing; a voltage curve needs it to follow the state of charge",
+            ));
+        }
         Ok(Self {
-            nominal: Cells::new(voltage_v, resistance_ohm),
+            nominal: Cells::new(voltage_v, 0.25 / resistance_ohm),
             resistance_ohm,
-            charge,
+            pct_per_as: capacity_ah.map(|capacity_ah| 100.0 / (3600.0 * capacity_ah)),
+            curve: spec.open_circuit_voltage_curve.clone(),
         })
     }
 
@@ -139,36 +143,54 @@ impl Battery {
         }
     }
 
-    /// The cells at a state of charge in %; of the nominal voltage where it is not known or there is no curve.
-    pub(crate) fn cells(&self, soc_pct: Option<f64>) -> Cells {
-        let curve = self.charge.as_ref().and_then(|c| c.curve.as_ref());
-        match (curve, soc_pct) {
-            (Some(curve), Some(soc_pct)) => {
-                Cells::new(curve.voltage_v(soc_pct), self.resistance_ohm)
-            }
-            _ => self.nominal,
-        }
+    /// The cells at nominal voltage.
+    pub(crate) fn nominal(&self) -> Cells {
+        self.nominal
     }
 
-    /// Whether the voltage depends on the state of charge.
-    pub(crate) fn has_curve(&self) -> bool {
-        self.charge.as_ref().is_some_and(|c| c.curve.is_some())
+    /// The piece of the voltage curve at a state of charge in %; `None` without a curve.
+    pub(crate) fn piece(&self, soc_pct: f64) -> Option<VoltagePiece> {
+        let (from_pct, to_pct, from_v, v_per_pct) = self.curve.as_ref()?.piece(soc_pct)?;
+        Some(VoltagePiece {
+            from_pct,
+            to_pct,
+            from_v,
+            v_per_pct,
+            per_four_ohm: 0.25 / self.resistance_ohm,
+        })
     }
 
     /// The state of charge in % after giving a charge in A s, within 0 to 100; `None` without a capacity.
+    #[inline(always)]
     pub(crate) fn discharged_pct(&self, soc_pct: f64, charge_as: f64) -> Option<f64> {
-        let capacity_as = 3600.0 * self.charge.as_ref()?.capacity_ah;
-        Some((soc_pct - 100.0 * charge_as / capacity_as).clamp(0.0, 100.0))
+        let soc_pct = soc_pct - self.pct_per_as? * charge_as;
+        Some(smaller(larger(soc_pct, 0.0), 100.0))
     }
 }
 
 impl Cells {
-    fn new(voltage_v: f64, resistance_ohm: f64) -> Self {
+    #[inline(always)]
+    fn new(voltage_v: f64, per_four_ohm: f64) -> Self {
         Self {
             voltage_v,
             // Infinite without resistance: such a battery is never limited.
-            max_power_w: voltage_v * voltage_v / (4.0 * resistance_ohm),
+            max_power_w: voltage_v * voltage_v * per_four_ohm,
         }
+    }
+}
+
+impl VoltagePiece {
+    /// Whether the piece goes on to a state of charge in %.
+    #[inline(always)]
+    pub(crate) fn covers(&self, soc_pct: f64) -> bool {
+        self.from_pct <= soc_pct && soc_pct <= self.to_pct
+    }
+
+    /// The cells at a state of charge in % that the piece covers.
+    #[inline(always)]
+    pub(crate) fn cells(&self, soc_pct: f64) -> Cells {
+        let voltage_v = self.from_v + self.v_per_pct * (soc_pct - self.from_pct);
+        Cells::new(voltage_v, self.per_four_ohm)
     }
 }
 
@@ -198,15 +220,19 @@ impl VoltageCurveSpec {
         Ok(())
     }
 
-    fn voltage_v(&self, soc_pct: f64) -> f64 {
-        let last = self.soc_pct.len() - 1;
-        let end = self
-            .soc_pct
-            .partition_point(|soc| *soc <= soc_pct)
-            .clamp(1, last);
-        let (soc, voltage) = (&self.soc_pct[end - 1..=end], &self.voltage_v[end - 1..=end]);
-        let share = ((soc_pct - soc[0]) / (soc[1] - soc[0])).clamp(0.0, 1.0);
-        voltage[0] + share * (voltage[1] - voltage[0])
+    /// The piece at a state of charge within 0 to 100 %: from where, to where, voltage at its start, its slope. Constant before the
+    /// first point and after the last.
+    fn piece(&self, soc_pct: f64) -> Option<(f64, f64, f64, f64)> {
+        let end = self.soc_pct.partition_point(|soc| *soc <= soc_pct);
+        let point = |k: usize| Some((*self.soc_pct.get(k)?, *self.voltage_v.get(k)?));
+        match (end.checked_sub(1).and_then(point), point(end)) {
+            (Some((from, from_v)), Some((to, to_v))) => {
+                Some((from, to, from_v, (to_v - from_v) / (to - from)))
+            }
+            (None, Some((first, first_v))) => Some((0.0, first, first_v, 0.0)),
+            (Some((last, last_v)), None) => Some((last, 100.0, last_v, 0.0)),
+            (None, None) => None,
+        }
     }
 }
 
@@ -271,12 +297,16 @@ mod tests {
     #[test]
     fn voltage_follows_the_curve_and_stays_at_its_ends() {
         let battery = with_curve(&[10.0, 50.0, 90.0], &[300.0, 340.0, 360.0]).unwrap();
-        let voltage = |soc| battery.cells(Some(soc)).voltage_v;
+        let voltage = |soc| battery.piece(soc).unwrap().cells(soc).voltage_v;
         assert_eq!(
             [0.0, 10.0, 30.0, 50.0, 70.0, 90.0, 100.0].map(voltage),
             [300.0, 300.0, 320.0, 340.0, 350.0, 360.0, 360.0]
         );
-        assert_eq!(battery.cells(None).voltage_v, 300.0);
+        assert_eq!(battery.nominal().voltage_v, 300.0);
+        assert!((0..=100).all(|soc| {
+            let soc = f64::from(soc);
+            battery.piece(soc).unwrap().covers(soc)
+        }));
     }
 
     #[test]

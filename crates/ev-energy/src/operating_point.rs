@@ -104,7 +104,7 @@ impl Vehicle {
             cos_slope,
             auxiliary_power_w: self.spec().auxiliary_power_w,
         };
-        self.evaluate(&self.road_load, &self.battery.cells(None), &motion)
+        self.evaluate(&self.road_load, &self.battery.nominal(), &motion)
     }
 
     /// Evaluates the model for a motion that is known to be within range.

@@ -1,6 +1,6 @@
 use std::f64::consts::FRAC_PI_2;
 
-use crate::battery::Cells;
+use crate::battery::VoltagePiece;
 use crate::error::Error;
 use crate::operating_point::{Motion, OperatingPoint};
 use crate::road_load::RoadLoad;
@@ -145,10 +145,10 @@ impl Vehicle {
             trip: *trip,
             rate_hz: 1.0 / trip.step_s,
             road_load,
-            cells: self.battery.cells(trip.soc_start_pct),
             soc_pct: trip
                 .soc_start_pct
                 .and_then(|soc_pct| self.battery.discharged_pct(soc_pct, 0.0)),
+            piece: trip.soc_start_pct.and_then(|soc| self.battery.piece(soc)),
             end: 1,
         })
     }
@@ -161,8 +161,9 @@ pub struct TripPoints<'a> {
     trip: Trip<'a>,
     rate_hz: f64,
     road_load: RoadLoad,
-    cells: Cells,
     soc_pct: Option<f64>,
+    /// Piece of the voltage curve, where the vehicle has one and the state of charge is known.
+    piece: Option<VoltagePiece>,
     /// Sample at the end of the next step.
     end: usize,
 }
@@ -204,16 +205,22 @@ impl Iterator for TripPoints<'_> {
             return None;
         }
         let motion = self.motion(self.end);
-        let point = self.vehicle.evaluate(&self.road_load, &self.cells, &motion);
         self.end += 1;
-        if let Some(soc_pct) = self.soc_pct {
-            let battery = &self.vehicle.battery;
-            self.soc_pct =
-                battery.discharged_pct(soc_pct, point.battery_current_a * self.trip.step_s);
-            if battery.has_curve() {
-                self.cells = battery.cells(self.soc_pct);
-            }
+        let battery = &self.vehicle.battery;
+        let Some(soc_pct) = self.soc_pct else {
+            return Some(
+                self.vehicle
+                    .evaluate(&self.road_load, &battery.nominal(), &motion),
+            );
+        };
+        if self.piece.is_some_and(|piece| !piece.covers(soc_pct)) {
+            self.piece = battery.piece(soc_pct);
         }
+        let cells = self
+            .piece
+            .map_or(battery.nominal(), |piece| piece.cells(soc_pct));
+        let point = self.vehicle.evaluate(&self.road_load, &cells, &motion);
+        self.soc_pct = battery.discharged_pct(soc_pct, point.battery_current_a * self.trip.step_s);
         Some(point)
     }
 
