@@ -67,8 +67,8 @@ pub struct Source {
     pub confidence: Confidence,
 }
 
-/// How far a value can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// How far a value can be trusted, the most first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
     /// From the maker or an authority.

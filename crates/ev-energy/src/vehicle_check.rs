@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::cycle::Cycle;
@@ -17,8 +19,8 @@ pub struct VehicleCheck {
     pub peak_speed_rad_s: f64,
     /// Highest speed that the motor holds on a level road, m/s.
     pub top_speed_mps: f64,
-    /// How many sources have which confidence, those that occur.
-    pub confidence: Vec<(Confidence, usize)>,
+    /// How many sources have which confidence.
+    pub confidence: BTreeMap<Confidence, usize>,
     /// Keys of values without a source.
     pub without_source: Vec<String>,
 }
@@ -72,29 +74,17 @@ impl Vehicle {
             })
             .collect::<Result<_, Error>>()?;
         let (peak_efficiency, peak_torque_nm, peak_speed_rad_s) = self.peak_efficiency()?;
-        let confidence = [
-            Confidence::Certain,
-            Confidence::Published,
-            Confidence::Fitted,
-            Confidence::Assumed,
-        ]
-        .map(|kind| {
-            let sources = spec.sources.values();
-            (
-                kind,
-                sources.filter(|source| source.confidence == kind).count(),
-            )
-        });
+        let mut confidence = BTreeMap::new();
+        for source in spec.sources.values() {
+            *confidence.entry(source.confidence).or_default() += 1;
+        }
         Ok(VehicleCheck {
             consumption,
             peak_efficiency,
             peak_torque_nm,
             peak_speed_rad_s,
             top_speed_mps: self.top_speed_mps(),
-            confidence: confidence
-                .into_iter()
-                .filter(|(_, count)| *count > 0)
-                .collect(),
+            confidence,
             without_source: self.without_source()?,
         })
     }

@@ -34,17 +34,6 @@ impl SlopeSource {
             Self::Level => "level",
         }
     }
-
-    fn of(log: &DriveLog) -> Self {
-        let has = |channel| log.channel(channel).is_some();
-        match (has(Channel::Elevation), has(Channel::Accelerometer)) {
-            _ if has(Channel::Slope) => Self::Recorded,
-            (true, true) => Self::ElevationAndAccelerometer,
-            (false, true) => Self::Accelerometer,
-            (true, false) => Self::Elevation,
-            (false, false) => Self::Level,
-        }
-    }
 }
 
 impl Serialize for SlopeSource {
@@ -59,26 +48,35 @@ impl Serialize for SlopeSource {
 /// # Errors
 /// [`Error::Energy`] for a bandwidth out of range.
 pub fn slope_rad(log: &DriveLog, bandwidth_m: f64) -> Result<Option<Vec<f64>>, Error> {
+    Ok(slope(log, bandwidth_m)?.1)
+}
+
+fn slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f64>>), Error> {
     let elevation_m = log.channel(Channel::Elevation);
     if let Some(slope_rad) = log.channel(Channel::Slope) {
         let known = |slope: &f64| if slope.is_finite() { *slope } else { 0.0 };
-        return Ok(Some(slope_rad.iter().map(known).collect()));
+        let slope_rad = slope_rad.iter().map(known).collect();
+        return Ok((SlopeSource::Recorded, Some(slope_rad)));
     }
-    Ok(match (log.channel(Channel::Accelerometer), elevation_m) {
-        (Some(accelerometer_mps2), elevation_m) => Some(slope_from_accelerometer(
+    if let Some(accelerometer_mps2) = log.channel(Channel::Accelerometer) {
+        let source = match elevation_m {
+            Some(_) => SlopeSource::ElevationAndAccelerometer,
+            None => SlopeSource::Accelerometer,
+        };
+        let slope_rad = slope_from_accelerometer(
             log.step_s(),
             log.speed_mps(),
             accelerometer_mps2,
             elevation_m,
             bandwidth_m,
-        )?),
-        (None, Some(elevation_m)) => Some(slope_from_elevation(
-            &log.distance_m(),
-            elevation_m,
-            bandwidth_m,
-        )?),
-        (None, None) => None,
-    })
+        )?;
+        return Ok((source, Some(slope_rad)));
+    }
+    let Some(elevation_m) = elevation_m else {
+        return Ok((SlopeSource::Level, None));
+    };
+    let slope_rad = slope_from_elevation(&log.distance_m(), elevation_m, bandwidth_m)?;
+    Ok((SlopeSource::Elevation, Some(slope_rad)))
 }
 
 /// What a vehicle model takes from a piece of a drive.
@@ -102,10 +100,11 @@ impl<'a> EnergyInput<'a> {
             .into_iter()
             .filter(|channel| log.channel(*channel).is_some())
             .collect();
+        let (slope_source, slope_rad) = slope(log, slope_bandwidth_m)?;
         Ok(Self {
             log,
-            slope_rad: slope_rad(log, slope_bandwidth_m)?,
-            slope_source: SlopeSource::of(log),
+            slope_rad,
+            slope_source,
             extra_aux_power_w: extra_aux_power_w(log, &aux_channels),
             aux_channels,
             weather: weather(log),
