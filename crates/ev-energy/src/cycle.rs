@@ -1,10 +1,5 @@
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::trip::Trip;
-use crate::trip_energy::JOULES_PER_KWH;
-use crate::vehicle::Vehicle;
-
 /// A standard driving cycle on a level road, one value a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
@@ -60,22 +55,6 @@ impl Cycle {
             .take(duration_s + 1)
             .map(|speed| speed * mps)
             .collect()
-    }
-}
-
-impl Vehicle {
-    /// Energy from the wall for a cycle, kWh per 100 km.
-    ///
-    /// # Errors
-    /// None for the cycles there are.
-    pub fn cycle_wall_kwh_per_100km(&self, cycle: Cycle) -> Result<f64, Error> {
-        let speed_mps = cycle.speed_mps();
-        let energy = self.trip_energy(&Trip {
-            step_s: 1.0,
-            speed_mps: &speed_mps,
-            ..Trip::default()
-        })?;
-        Ok(energy.wall_energy_j / JOULES_PER_KWH / (energy.distance_m / 1e5))
     }
 }
 

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use crate::cycle::Cycle;
 use crate::error::Error;
+use crate::trip::Trip;
+use crate::trip_energy::JOULES_PER_KWH;
 use crate::vehicle::{Confidence, ConsumptionUse, Vehicle};
 
 /// What a vehicle file amounts to, from [`Vehicle::check`].
@@ -87,6 +89,20 @@ impl Vehicle {
             confidence,
             without_source: self.without_source()?,
         })
+    }
+
+    /// Energy from the wall for a cycle, kWh per 100 km.
+    ///
+    /// # Errors
+    /// None for the cycles there are.
+    pub fn cycle_wall_kwh_per_100km(&self, cycle: Cycle) -> Result<f64, Error> {
+        let speed_mps = cycle.speed_mps();
+        let energy = self.trip_energy(&Trip {
+            step_s: 1.0,
+            speed_mps: &speed_mps,
+            ..Trip::default()
+        })?;
+        Ok(energy.wall_energy_j / JOULES_PER_KWH / (energy.distance_m / 1e5))
     }
 
     /// With the whole spin loss, also what the road load contains.
