@@ -29,27 +29,16 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// What is in a log, and what is wrong with it
     Inspect(cmd::inspect::InspectArgs),
-    /// Boundaries, phases and homogeneity figures
     Segment(cmd::segment::SegmentArgs),
-    /// Energy budget, against measured battery power where the log has it
     Energy(cmd::energy::EnergyArgs),
-    /// Fit a vehicle to measured battery power
     Calibrate(cmd::calibrate::CalibrateArgs),
-    /// Fit one model and write it to a file
     Fit(cmd::fit::FitArgs),
-    /// Predict the acceleration phases of logs with a fitted model
     Predict(cmd::predict::PredictArgs),
-    /// Leave-one-trip-out over models and baselines: the main job
     Evaluate(cmd::evaluate::EvaluateArgs),
-    /// Simulated drives with known truth
     Synth(cmd::synth::SynthArgs),
-    /// Built-in vehicles, vehicle files and single operating points
     #[command(subcommand)]
     Vehicle(cmd::vehicle::VehicleCommand),
-    /// Print a completion script for a shell
     Completions(cmd::completions::CompletionsArgs),
-    /// Print the manual page, or write one per subcommand
     Man(cmd::man::ManArgs),
 }

@@ -129,3 +129,17 @@ fn completions_and_manual_pages() {
     assert!(folder.path().join("drivekit.1").is_file());
     assert!(folder.path().join("drivekit-vehicle-point.1").is_file());
 }
+
+#[test]
+fn long_help_says_more_than_a_line() {
+    for (command, words) in [
+        ("evaluate", "held out once"),
+        ("calibrate", "fitted within bounds"),
+        ("energy", "With several vehicles"),
+    ] {
+        let help = drivekit(&[command, "--help"]).ok().stdout;
+        let text = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(words), "{help}");
+        assert!(text.contains("Examples:"), "{help}");
+    }
+}
