@@ -134,7 +134,16 @@ impl TripEnergy {
     /// Consumption at the battery terminals in kWh per 100 km; `None` without distance.
     #[must_use]
     pub fn consumption_kwh_per_100km(&self) -> Option<f64> {
-        (self.distance_m > 0.0)
-            .then(|| self.terminal_energy_j / JOULES_PER_KWH / (self.distance_m / 1e5))
+        self.per_100km(self.terminal_energy_j)
+    }
+
+    /// Consumption at the wall in kWh per 100 km; `None` without distance.
+    #[must_use]
+    pub fn wall_kwh_per_100km(&self) -> Option<f64> {
+        self.per_100km(self.wall_energy_j)
+    }
+
+    fn per_100km(&self, energy_j: f64) -> Option<f64> {
+        (self.distance_m > 0.0).then(|| energy_j / JOULES_PER_KWH / (self.distance_m / 1e5))
     }
 }

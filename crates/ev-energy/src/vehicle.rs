@@ -220,10 +220,10 @@ impl Vehicle {
         Self::checked(spec, &origin)
     }
 
-    /// Reads and checks a vehicle from TOML text; `file` names the text in errors.
+    /// Reads and checks a vehicle from TOML text; `file` names the text in errors, and a loss table lies beside it.
     ///
     /// # Errors
-    /// As [`VehicleSpec::from_toml`] and [`Vehicle::new`].
+    /// As [`VehicleSpec::from_toml`] and [`Vehicle::new`]; [`Error::Read`] and [`Error::LossTable`] for a loss table.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, Error> {
         let mut spec = VehicleSpec::from_toml(text, file)?;
         if let Some(losses) = &mut spec.motor.loss_table {

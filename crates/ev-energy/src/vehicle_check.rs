@@ -5,7 +5,6 @@ use serde::Serialize;
 use crate::cycle::Cycle;
 use crate::error::Error;
 use crate::trip::Trip;
-use crate::trip_energy::JOULES_PER_KWH;
 use crate::vehicle::{Confidence, ConsumptionUse, Vehicle};
 
 /// What a vehicle file amounts to, from [`Vehicle::check`].
@@ -92,17 +91,13 @@ impl Vehicle {
     }
 
     /// Energy from the wall for a cycle, kWh per 100 km.
-    ///
-    /// # Errors
-    /// None for the cycles there are.
-    pub fn cycle_wall_kwh_per_100km(&self, cycle: Cycle) -> Result<f64, Error> {
-        let speed_mps = cycle.speed_mps();
+    fn cycle_wall_kwh_per_100km(&self, cycle: Cycle) -> Result<f64, Error> {
         let energy = self.trip_energy(&Trip {
             step_s: 1.0,
-            speed_mps: &speed_mps,
+            speed_mps: &cycle.speed_mps(),
             ..Trip::default()
         })?;
-        Ok(energy.wall_energy_j / JOULES_PER_KWH / (energy.distance_m / 1e5))
+        Ok(energy.wall_kwh_per_100km().unwrap_or(f64::NAN))
     }
 
     /// With the whole spin loss, also what the road load contains.

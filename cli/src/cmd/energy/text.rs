@@ -143,19 +143,12 @@ fn totals(body: &Body) -> Table {
         vehicle, totals, ..
     } in &body.totals
     {
-        let per_100km =
-            |energy_j: f64| energy_j / JOULES_PER_KWH / (totals.modelled.distance_m / 1e5);
         table.row([
             (*vehicle).to_owned(),
             totals.trips.to_string(),
             number(totals.modelled.distance_m / 1e3, 1),
             number(totals.consumption_kwh_per_100km, 2),
-            number(
-                totals
-                    .consumption_kwh_per_100km
-                    .map(|_| per_100km(totals.modelled.wall_energy_j)),
-                2,
-            ),
+            number(totals.modelled.wall_kwh_per_100km(), 2),
             kwh(totals.modelled.terminal_energy_j),
             number(
                 totals

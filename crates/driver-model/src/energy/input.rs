@@ -125,13 +125,16 @@ impl<'a> EnergyInput<'a> {
         }
     }
 
-    /// Terminal energy of a vehicle on the same motion without slope, J.
-    pub(crate) fn level_energy_j(&self, vehicle: &Vehicle) -> Result<f64, Error> {
+    /// Terminal energy of a vehicle minus that on the same motion without slope, J.
+    pub(crate) fn slope_energy_j(&self, vehicle: &Vehicle, energy_j: f64) -> Result<f64, Error> {
+        if self.slope_rad.is_none() {
+            return Ok(0.0);
+        }
         let level = Trip {
             slope_rad: None,
             ..self.trip()
         };
-        Ok(vehicle.trip_energy(&level)?.terminal_energy_j)
+        Ok(energy_j - vehicle.trip_energy(&level)?.terminal_energy_j)
     }
 }
 

@@ -184,7 +184,6 @@ pub fn drive_energy(
 ) -> Result<DriveEnergy, Error> {
     let mut total = DriveEnergy::default();
     let mut comparison = Comparison::default();
-    let mut level_energy_j = 0.0;
     for (index, log) in drive.pieces.iter().enumerate() {
         let input = EnergyInput::of(log, slope_bandwidth_m)?;
         if index == 0 {
@@ -201,7 +200,7 @@ pub fn drive_energy(
             total.curve.add(mean, mean_start_s);
             mean_start_s += mean.duration_s;
         };
-        total.modelled += vehicle.trip_energy_with(&input.trip(), |point| {
+        let energy = vehicle.trip_energy_with(&input.trip(), |point| {
             let measured_w = input.power_w[step];
             averager.add(point, measured_w, &mut keep);
             visit(&EnergyStep {
@@ -212,12 +211,12 @@ pub fn drive_energy(
             step += 1;
         })?;
         averager.finish(&mut keep);
-        level_energy_j += input.level_energy_j(vehicle)?;
+        total.slope.energy_j += input.slope_energy_j(vehicle, energy.terminal_energy_j)?;
+        total.modelled += energy;
     }
     total.consumption_kwh_per_100km = total.modelled.consumption_kwh_per_100km();
     total.measured = Measured::from(&comparison);
     total.comparison = comparison;
-    total.slope.energy_j = total.modelled.terminal_energy_j - level_energy_j;
     let duration_s = total.modelled.duration_s;
     total.auxiliaries.mean_w =
         (duration_s > 0.0).then(|| total.modelled.budget.auxiliary_j / duration_s);
