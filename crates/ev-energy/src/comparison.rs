@@ -1,5 +1,3 @@
-use serde::Serialize;
-
 use crate::operating_point::OperatingPoint;
 
 /// Time over which power is averaged before it is compared, s: shorter, and it is the noise of the logger that is compared.
@@ -86,7 +84,7 @@ impl PowerAverager {
 }
 
 /// Modelled against measured power at the battery terminals.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Comparison {
     /// Energy of the model over the steps that were measured, J.
     pub modelled_j: f64,

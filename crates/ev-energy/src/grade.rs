@@ -231,7 +231,7 @@ fn without_outliers(mut points: Vec<(f64, f64)>, bandwidth_m: f64) -> Vec<(f64, 
     let off_m: Vec<f64> = profile
         .smoothed(&distance_m, bandwidth_m)
         .zip(&points)
-        .map(|(smooth_m, (_, elevation_m))| (elevation_m - smooth_m).abs())
+        .map(|(smooth_m, (_, elevation_m))| smooth_m.map_or(0.0, |h| (elevation_m - h).abs()))
         .collect();
     let middle = off_m.len() / 2;
     let mut sorted = off_m.clone();
@@ -314,27 +314,21 @@ impl Profile {
             .map(|(_, window)| window.map_or(0.0, |(left, right)| Self::gradient(&left, &right)))
     }
 
-    /// Elevation of the best straight lines at distances that never decrease.
+    /// Elevation of the best straight lines at distances that never decrease; `None` where the profile says nothing.
     fn smoothed<'a>(
         &'a self,
         distance_m: &'a [f64],
         bandwidth_m: f64,
-    ) -> impl Iterator<Item = f64> + use<'a> {
+    ) -> impl Iterator<Item = Option<f64>> + use<'a> {
         self.windows(distance_m, bandwidth_m)
             .map(|(distance_m, window)| {
-                let Some((left, right)) = window else {
-                    let mut hint = 0;
-                    return self.datum_m
-                        + self
-                            .at(distance_m, &mut hint)
-                            .map_or(0.0, |knot| knot.elevation_m);
-                };
+                let (left, right) = window?;
                 let length = right.distance_m - left.distance_m;
                 let centre = 0.5 * (left.distance_m + right.distance_m);
                 let from_centre = distance_m - self.origin_m - centre;
-                self.datum_m
-                    + (right.area - left.area) / length
-                    + Self::gradient(&left, &right) * from_centre
+                let mean_m = (right.area - left.area) / length;
+                let gradient = Self::gradient(&left, &right);
+                Some(self.datum_m + mean_m + gradient * from_centre)
             })
     }
 

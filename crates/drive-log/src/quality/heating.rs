@@ -179,7 +179,8 @@ pub(super) fn drop_contradicted(checked: &mut Checked) {
 
 /// Takes the power that was requested of the heater where there is none of the heater itself, unless the battery contradicts it.
 pub(super) fn take_request(checked: &mut Checked) {
-    if checked.values(Channel::HeatingPower).is_some()
+    let is_there = |values: &[f64]| values.iter().any(|value| value.is_finite());
+    if checked.values(Channel::HeatingPower).is_some_and(is_there)
         || checked.values(Channel::HeatingRequest).is_none()
     {
         return;

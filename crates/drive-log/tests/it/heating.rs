@@ -114,6 +114,12 @@ fn requested_heating_replaces_what_is_missing_unless_it_is_contradicted() {
         checked.log.channel(Channel::HeatingPower),
         checked.log.channel(Channel::HeatingRequest)
     );
+    // a channel without a value is none
+    let empty = changed(&stopped(2500.0), Channel::HeatingRequest, |h| heater(h));
+    let empty = changed(&empty, Channel::HeatingPower, |h| h.fill(f64::NAN));
+    let checked = check(empty);
+    assert!(kinds(&checked).contains(&(FindingKind::Missing, "heating_power_w", Action::Replaced)));
+    assert!(checked.log.channel(Channel::HeatingPower).is_some());
     let ignored = changed(&stopped(500.0), Channel::HeatingRequest, |h| heater(h));
     let checked = check(ignored);
     assert_eq!(

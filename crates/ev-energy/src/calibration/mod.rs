@@ -11,7 +11,7 @@ use crate::comparison::Comparison;
 use crate::error::Error;
 use crate::vehicle::{Confidence, Source, Vehicle};
 use crate::weather::SUMMER_DEGC;
-use parameter::Bounded;
+use parameter::{Bounded, with_values};
 use problem::Problem;
 pub use trip::CalibrationTrip;
 
@@ -77,9 +77,8 @@ pub struct ParameterEstimate {
 /// [`Error::Calibration`] without measured power, or where the fit fails.
 pub fn calibrate(vehicle: &Vehicle, trips: &[&CalibrationTrip]) -> Result<Calibration, Error> {
     let Fit { bounded, values } = fit(vehicle, None, trips)?;
-    let mut spec = vehicle.spec().clone();
-    for (parameter, value) in bounded.iter().zip(&values) {
-        parameter.set(&mut spec, *value);
+    let mut spec = with_values(vehicle.spec(), &bounded, &values);
+    for parameter in &bounded {
         let source = format!(
             "fitted to the measured battery power of {} trips",
             trips.len()
@@ -93,7 +92,8 @@ pub fn calibrate(vehicle: &Vehicle, trips: &[&CalibrationTrip]) -> Result<Calibr
         );
     }
     spec.add_weather_source();
-    let derivatives = Problem::new(vehicle.spec(), &values, &bounded, trips).derivatives();
+    let problem = Problem::new(vehicle.spec(), &values, &bounded, trips);
+    let derivatives = problem.derivatives_at(&values);
     let parameters = bounded
         .iter()
         .zip(values)
@@ -176,19 +176,17 @@ pub fn leave_one_out(
     let mut others = trips.to_vec();
     others.remove(left_out);
     let Fit { bounded, values } = fit(vehicle, Some(all), &others)?;
-    let mut spec = vehicle.spec().clone();
-    for (parameter, value) in bounded.iter().zip(values) {
-        parameter.set(&mut spec, value);
-    }
+    let without = Vehicle::new(with_values(vehicle.spec(), &bounded, &values))?;
     // Without the only cold trip the surcharge stays what it was before.
-    let values = Bounded::of(&spec, true);
     let value = |parameter: &ParameterEstimate| {
-        let mut found = values.iter().filter(|p| p.key() == parameter.key);
-        found.next().map_or(parameter.start, |found| found.start)
+        let mut fitted = bounded.iter().zip(&values);
+        fitted
+            .find(|(bounded, _)| bounded.key() == parameter.key)
+            .map_or(parameter.start, |(_, value)| *value)
     };
     Ok(Fold {
         values: all.parameters.iter().map(value).collect(),
-        held_out: held_out.compare(&Vehicle::new(spec)?)?,
+        held_out: held_out.compare(&without)?,
     })
 }
 
@@ -270,14 +268,13 @@ impl Calibration {
         };
         let here = power_w(&self.vehicle)?;
         for (parameter, estimate) in bounded.iter().zip(&mut self.parameters) {
-            let mut spec = self.vehicle.spec().clone();
+            let moved = |value| {
+                let parameter = std::slice::from_ref(parameter);
+                Vehicle::new(with_values(self.vehicle.spec(), parameter, &[value]))
+            };
             // Down, where a tenth more is out of range.
             let rise = SENSITIVITY_SHARE * estimate.value;
-            parameter.set(&mut spec, estimate.value + rise);
-            let moved = Vehicle::new(spec.clone()).or_else(|_| {
-                parameter.set(&mut spec, estimate.value - rise);
-                Vehicle::new(spec)
-            })?;
+            let moved = moved(estimate.value + rise).or_else(|_| moved(estimate.value - rise))?;
             let squares: f64 = power_w(&moved)?
                 .iter()
                 .zip(&here)

@@ -129,7 +129,8 @@ pub(crate) struct Bounded {
 }
 
 impl Bounded {
-    /// The parameters that a vehicle has. Without cold trips the winter surcharge has no effect and is left out.
+    /// The parameters that a vehicle has. A road load of 0 stays 0; without cold trips the winter surcharge has no effect and is
+    /// left out.
     pub(crate) fn of(spec: &VehicleSpec, with_winter: bool) -> Vec<Self> {
         let mut spec = spec.clone();
         PARAMETERS
@@ -145,6 +146,7 @@ impl Bounded {
                     upper,
                 })
             })
+            .filter(|bounded| bounded.width() > 0.0)
             .collect()
     }
 
@@ -156,14 +158,23 @@ impl Bounded {
         self.parameter.unit
     }
 
-    pub(crate) fn set(&self, spec: &mut VehicleSpec, value: f64) {
-        if let Some(place) = (self.parameter.value)(spec) {
-            *place = value;
-        }
-    }
-
     /// Width of the bounds.
     pub(crate) fn width(&self) -> f64 {
         self.upper - self.lower
     }
+}
+
+/// A vehicle with other values of the parameters.
+pub(crate) fn with_values(
+    spec: &VehicleSpec,
+    parameters: &[Bounded],
+    values: &[f64],
+) -> VehicleSpec {
+    let mut spec = spec.clone();
+    for (bounded, value) in parameters.iter().zip(values) {
+        if let Some(place) = (bounded.parameter.value)(&mut spec) {
+            *place = *value;
+        }
+    }
+    spec
 }

@@ -1,23 +1,21 @@
 //! Robust least squares within bounds.
 //!
-//! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + (ΔE/(s E))² ]` with `ρ(x) = 2 δ² (√(1 + x²/δ²) − 1)`, where `ΔP` is the
-//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy, `E` at least `σ` times its duration. Every trip weighs the same however
-//! long. The bounds are removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`.
+//! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + (ΔE/(s E))² ]` with `ρ(x) = 2 (√(1 + x²) − 1)`, where `ΔP` is the
+//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy, `E` at least `σ` times its
+//! duration. Every trip weighs the same however long. The bounds are removed by
+//! `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-use super::parameter::Bounded;
+use super::parameter::{Bounded, with_values};
 use super::trip::CalibrationTrip;
 use crate::error::Error;
 use crate::vehicle::{Vehicle, VehicleSpec};
 
-/// `σ`, W: what a good model still gets wrong in half a second.
+/// `σ`, W: what a good model still gets wrong in half a second. Larger differences count less than their square.
 const POWER_SCALE_W: f64 = 2000.0;
-
-/// `δ`: differences beyond this many `σ` count less than their square.
-const ROBUST_FROM: f64 = 1.0;
 
 /// `s`: an error of this share of a trip's energy weighs as much as an error of `σ` all along.
 const ENERGY_SHARE: f64 = 0.2;
@@ -28,13 +26,12 @@ const DIFFERENCE: f64 = 1e-5;
 /// Change of the sum of squares, and of the parameters, below which the fit has converged.
 const TOLERANCE: f64 = 1e-5;
 
-/// Jacobians at most.
+/// Evaluations at most, per parameter.
 const PATIENCE: usize = 60;
 
 /// Free variables this far from a bound at the start, as a share of the width: at a bound the sine has no slope.
 const START_MARGIN: f64 = 0.02;
 
-#[derive(Clone)]
 pub(super) struct Problem<'a> {
     spec: VehicleSpec,
     parameters: &'a [Bounded],
@@ -72,9 +69,9 @@ impl<'a> Problem<'a> {
             .with_gtol(TOLERANCE)
             .with_patience(PATIENCE);
         let (solved, report) = solver.minimize(self);
-        if report.termination.was_usage_issue() || !report.objective_function.is_finite() {
+        if !report.termination.was_successful() {
             return Err(Error::Calibration {
-                problem: format!("the fit stopped with {:?}", report.termination),
+                problem: format!("the fit did not converge: {:?}", report.termination),
             });
         }
         Ok(solved.values())
@@ -91,17 +88,9 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    fn spec_at(&self, values: &[f64]) -> VehicleSpec {
-        let mut spec = self.spec.clone();
-        for (parameter, value) in self.parameters.iter().zip(values) {
-            parameter.set(&mut spec, *value);
-        }
-        spec
-    }
-
     /// The residuals whose squares are summed: per trip those of power and the one of energy.
-    fn residuals_of(&self, spec: VehicleSpec) -> Option<Vec<f64>> {
-        let vehicle = Vehicle::new(spec).ok()?;
+    fn residuals_at(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let vehicle = Vehicle::new(with_values(&self.spec, self.parameters, values)).ok()?;
         let mut residuals = Vec::with_capacity(self.len());
         for trip in self.trips {
             let weight = 1.0 / (trip.means() as f64).sqrt();
@@ -127,9 +116,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Derivatives of the residuals by the parameters themselves, in units of their bounds' width.
-    pub(super) fn derivatives(&self) -> Option<DMatrix<f64>> {
-        let values = self.values();
-        let here = self.residuals_of(self.spec_at(&values))?;
+    pub(super) fn derivatives_at(&self, values: &[f64]) -> Option<DMatrix<f64>> {
+        let here = self.residuals_at(values)?;
         let mut derivatives = DMatrix::zeros(here.len(), values.len());
         for (k, parameter) in self.parameters.iter().enumerate() {
             // Inward from the upper bound.
@@ -138,9 +126,9 @@ impl<'a> Problem<'a> {
             } else {
                 1.0
             };
-            let mut moved = values.clone();
+            let mut moved = values.to_vec();
             moved[k] += sign * DIFFERENCE * parameter.width();
-            let there = self.residuals_of(self.spec_at(&moved))?;
+            let there = self.residuals_at(&moved)?;
             for ((place, here), there) in
                 derivatives.column_mut(k).iter_mut().zip(&here).zip(&there)
             {
@@ -153,10 +141,9 @@ impl<'a> Problem<'a> {
 
 /// `√ρ` with the sign of its argument.
 fn robust(x: f64) -> f64 {
-    let relative = x / ROBUST_FROM;
-    // √(1 + r²) − 1 without cancellation
-    let root = relative * relative / (1.0 + (1.0 + relative * relative).sqrt());
-    ROBUST_FROM * (2.0 * root).sqrt().copysign(x)
+    // √(1 + x²) − 1 without cancellation
+    let root = x * x / (1.0 + (1.0 + x * x).sqrt());
+    (2.0 * root).sqrt().copysign(x)
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
@@ -173,12 +160,11 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        self.residuals_of(self.spec_at(&self.values()))
-            .map(DVector::from_vec)
+        self.residuals_at(&self.values()).map(DVector::from_vec)
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let mut jacobian = self.derivatives()?;
+        let mut jacobian = self.derivatives_at(&self.values())?;
         for (mut column, q) in jacobian.column_iter_mut().zip(self.free.iter()) {
             column *= 0.5 * q.cos();
         }

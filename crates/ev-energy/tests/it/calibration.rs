@@ -172,6 +172,26 @@ fn what_runs_into_its_bound_is_not_identified() {
 }
 
 #[test]
+fn a_road_load_of_zero_is_no_parameter() {
+    let mut spec = i3().spec().clone();
+    if let RoadLoadSpec::CoastDown {
+        quadratic_n_per_mps2,
+        ..
+    } = &mut spec.road_load
+    {
+        *quadratic_n_per_mps2 = 0.0;
+    }
+    let without_drag = Vehicle::new(spec).unwrap();
+    let trips = trips(&truth(|_| {}), 3, 0.0);
+    let refs: Vec<&CalibrationTrip> = trips.iter().collect();
+    let fitted = calibrate(&without_drag, &refs).unwrap();
+    let keys: Vec<&str> = fitted.parameters.iter().map(|p| p.key).collect();
+    assert!(!keys.contains(&"road_load.coast_down.quadratic_n_per_mps2"));
+    assert!(keys.contains(&"road_load.coast_down.constant_n"));
+    assert!(fitted.parameters.iter().all(|p| p.value.is_finite()));
+}
+
+#[test]
 fn fitted_values_have_a_source_and_make_a_vehicle_file() {
     let fitted = fit(&trips(&truth(|_| {}), 3, 100.0));
     let check = fitted.vehicle.check().unwrap();

@@ -99,6 +99,15 @@ fn without_distance_or_elevation_the_slope_is_zero() {
 }
 
 #[test]
+fn a_long_stop_with_a_restless_receiver_is_level() {
+    // within a metre there is no window: such points must not be searched for one by one
+    let elevation_m: Vec<f64> = (0..200_000).map(|i| 500.0 + f64::from(i % 7)).collect();
+    let distance_m: Vec<f64> = (0..200_000).map(|i| 1e-6 * f64::from(i)).collect();
+    let slope_rad = slope_from_elevation(&distance_m, &elevation_m, 100.0).unwrap();
+    assert!(slope_rad.iter().all(|slope| *slope == 0.0));
+}
+
+#[test]
 fn bad_arguments_are_refused() {
     let length = slope_from_elevation(&[0.0, 1.0], &[0.0], 100.0).unwrap_err();
     assert!(
