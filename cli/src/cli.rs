@@ -34,8 +34,11 @@ pub(crate) enum Command {
     Energy(cmd::energy::EnergyArgs),
     Calibrate(cmd::calibrate::CalibrateArgs),
     Fit(cmd::fit::FitArgs),
+    #[command(subcommand)]
+    Model(cmd::model::ModelCommand),
     Predict(cmd::predict::PredictArgs),
     Evaluate(cmd::evaluate::EvaluateArgs),
+    Portrait(cmd::portrait::PortraitArgs),
     Synth(cmd::synth::SynthArgs),
     #[command(subcommand)]
     Vehicle(cmd::vehicle::VehicleCommand),

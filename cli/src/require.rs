@@ -30,11 +30,18 @@ const COMPARISONS: [(&str, Comparison); 4] = [
     ("<", Comparison::Below),
 ];
 
+/// Parts of an evaluation beside acceleration.
+const KINDS: [&str; 3] = ["braking", "cruise", "following"];
+
 impl FromStr for Requirement {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let form = || format!("`{text}` is not of the form MODEL.FIGURE>=NUMBER (also <=, >, <)");
+        let form = || {
+            format!(
+                "`{text}` is not of the form MODEL.FIGURE>=NUMBER or KIND.MODEL.FIGURE>=NUMBER (also <=, >, <)"
+            )
+        };
         let (symbol, comparison) = COMPARISONS
             .into_iter()
             .find(|(symbol, _)| text.contains(symbol))
@@ -56,19 +63,25 @@ impl FromStr for Requirement {
 }
 
 impl Requirement {
-    /// Looks the figure up under `models` and `baselines` of a document; the message says why it is missed.
+    /// Looks the figure up under `models` and `baselines` of a document, or of the part that the first name says (`braking`);
+    /// the message says why it is missed.
     pub(crate) fn missed(&self, document: &Value) -> anyhow::Result<Option<String>> {
-        let model = ["models", "baselines"]
+        let (part, model, figure) = match self.figure.split_first() {
+            Some((model, figure)) if KINDS.contains(&self.model.as_str()) => {
+                (&document[&self.model], model, figure)
+            }
+            _ => (document, &self.model, self.figure.as_slice()),
+        };
+        let entry = ["models", "baselines"]
             .iter()
-            .find_map(|table| document[table].get(&self.model));
-        let Some(mut value) = model else {
+            .find_map(|table| part[table].get(model));
+        let Some(mut value) = entry else {
             bail!(
-                "--require `{}`: no model `{}` was evaluated",
-                self.text,
-                self.model
+                "--require `{}`: no model `{model}` was evaluated",
+                self.text
             );
         };
-        for key in &self.figure {
+        for key in figure {
             value = value
                 .get(key)
                 .with_context(|| format!("--require `{}`: no figure `{key}`", self.text))?;

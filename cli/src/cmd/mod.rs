@@ -7,8 +7,11 @@ pub(crate) mod evaluate;
 pub(crate) mod fit;
 pub(crate) mod inspect;
 pub(crate) mod man;
+pub(crate) mod model;
 pub(crate) mod phases;
+pub(crate) mod portrait;
 pub(crate) mod predict;
+pub(crate) mod prior;
 pub(crate) mod segment;
 pub(crate) mod synth;
 pub(crate) mod vehicle;
@@ -24,6 +27,8 @@ pub(crate) fn run(command: &Command, context: &Context) -> anyhow::Result<Outcom
         Command::Energy(args) => energy::run(args, context),
         Command::Calibrate(args) => calibrate::run(args, context),
         Command::Fit(args) => fit::run(args, context),
+        Command::Model(command) => model::run(command, context),
+        Command::Portrait(args) => portrait::run(args, context),
         Command::Predict(args) => predict::run(args, context),
         Command::Evaluate(args) => evaluate::run(args, context),
         Command::Synth(args) => synth::run(args, context),

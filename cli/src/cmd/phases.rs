@@ -27,7 +27,7 @@ pub(crate) struct PhaseArgs {
 }
 
 impl PhaseArgs {
-    fn settings(&self) -> PhaseSettings {
+    pub(crate) fn settings(&self) -> PhaseSettings {
         let mut settings = PhaseSettings {
             min_duration_s: self.min_duration,
             min_gain_mps: self.min_gain / 3.6,

@@ -1,6 +1,5 @@
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 use driver_model::{ModelFile, PhaseCurve, PhaseOutline, PhasePrediction};
 use serde::Serialize;
@@ -13,9 +12,9 @@ use crate::output;
 use crate::render::json::{Document, Logs};
 use crate::render::table::{Table, number};
 
-/// Predict the acceleration phases of logs with a fitted model
+/// Predict the phases of logs with a fitted model
 ///
-/// Phases are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
+/// Acceleration or braking phases, whichever the model was fitted to, are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
 /// speed where it takes one) and its prediction is compared with the measured speed.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
@@ -38,9 +37,7 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let place = || format!("`{}`", args.model.display());
-    let text = std::fs::read_to_string(&args.model).with_context(place)?;
-    let file = ModelFile::from_json(&text).with_context(place)?;
+    let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
     let trips = args.phases.trips(&inputs, context)?;
     let logs: Vec<Entry> = trips
@@ -48,8 +45,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         .map(|trip| Entry {
             name: &trip.name,
             phases: trip
-                .phases
-                .iter()
+                .phases_of(file.phase)
                 .map(|curve| PhaseEntry::new(curve, &file, args.band / 3.6))
                 .collect(),
         })

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
-use driver_model::{MODEL_SCHEMA, ModelFile, ModelKind};
+use driver_model::{ModelFile, ModelKind, PhaseKind, TrainingRecord};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -69,7 +69,7 @@ enum FileFormat {
 
 pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome> {
     let vehicle = vehicle(&args.vehicle)?;
-    let settings = args.settings();
+    let settings = args.settings()?;
     let drives = simulate(&settings, &vehicle)?;
     let folder = &args.output;
     std::fs::create_dir_all(folder)
@@ -96,31 +96,43 @@ pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome
 }
 
 impl SynthArgs {
-    fn settings(&self) -> SynthSettings {
-        SynthSettings {
+    fn settings(&self) -> anyhow::Result<SynthSettings> {
+        let driver = SimulatedDriver::with(self.driver).with_context(|| {
+            let names = SimulatedDriver::KINDS.map(ModelKind::name).join(", ");
+            format!(
+                "no simulated driver accelerates by `{}`; choose one of {names}",
+                self.driver
+            )
+        })?;
+        Ok(SynthSettings {
             seed: self.seed,
             drives: self.drives,
             duration_s: self.duration,
             step_s: self.step,
-            driver: SimulatedDriver::with(self.driver),
+            driver,
             variation: self.variation,
             sensor_noise: self.noise,
             leaders: !self.no_leaders,
-        }
+        })
     }
 }
 
 /// The driver's own model, for `predict`.
 fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<String> {
-    let file = ModelFile {
-        schema: MODEL_SCHEMA.to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        model: settings.driver.acceleration.clone(),
-        training_phases: 0,
-        training_segments: 0,
+    let no_logs = TrainingRecord {
+        phases: 0,
+        points: 0,
         inputs: Vec::new(),
-        config: serde_json::to_value(args)?,
+        prior_inputs: Vec::new(),
+        prior_weight: 0.0,
     };
+    let model = settings.driver.acceleration.clone();
+    let file = ModelFile::new(
+        PhaseKind::Acceleration,
+        model,
+        no_logs,
+        serde_json::to_value(args)?,
+    );
     Ok(file.to_json()?)
 }
 

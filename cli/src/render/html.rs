@@ -12,14 +12,22 @@ pub(crate) struct Page {
     script: &'static str,
 }
 
-/// For the schema `drivekit/evaluate/1`: tables, histograms and predicted speed curves.
+/// For the schema `drivekit/evaluate/1`: tables, histograms, predicted speed curves, and figures 3.12 to 3.18.
 pub(crate) const EVALUATION: Page = Page {
     command: "evaluate",
     title: "Driver model evaluation",
     contents: &[
         ("models", "Models"),
+        ("comparison", "Comparison"),
         ("figures", "Figures"),
         ("curves", "Curves"),
+        ("bands", "Bands"),
+        ("fits", "Function fits"),
+        ("systems", "System identification"),
+        ("braking", "Braking"),
+        ("cruise", "Cruise"),
+        ("following", "Following"),
+        ("learning", "Learning curve"),
         ("groups", "Speed groups"),
         ("trips", "Held-out trips"),
     ],
@@ -29,10 +37,21 @@ pub(crate) const EVALUATION: Page = Page {
         include_str!("report/page.js"),
         include_str!("report/tables.js"),
         include_str!("report/canvas.js"),
+        include_str!("report/chart.js"),
         include_str!("report/data.js"),
+        include_str!("report/phases.js"),
         include_str!("report/scores.js"),
+        include_str!("report/comparison.js"),
         include_str!("report/histograms.js"),
         include_str!("report/curves.js"),
+        include_str!("report/bands.js"),
+        include_str!("report/reliability.js"),
+        include_str!("report/fits.js"),
+        include_str!("report/systems.js"),
+        include_str!("report/squares.js"),
+        include_str!("report/braking.js"),
+        include_str!("report/driving.js"),
+        include_str!("report/learning.js"),
         include_str!("report/main.js"),
     ),
 };
@@ -94,6 +113,25 @@ pub(crate) const CALIBRATION: Page = Page {
         include_str!("report/parameters.js"),
         include_str!("report/residuals.js"),
         include_str!("report/calibrate.js"),
+    ),
+};
+
+/// For the schema `drivekit/portrait/1`: a driver in sentences and pictures.
+pub(crate) const PORTRAIT: Page = Page {
+    command: "portrait",
+    title: "Portrait of a driver",
+    contents: &[
+        ("pace", "Acceleration and braking"),
+        ("limits", "Limits"),
+        ("headway", "Following"),
+        ("smoothness", "Smoothness and energy"),
+    ],
+    sections: include_str!("report/portrait.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/portrait.js"),
     ),
 };
 
@@ -196,12 +234,20 @@ mod tests {
         let evaluation = [
             "headline",
             "models",
+            "comparison",
             "picker",
             "energy",
             "energy-difference",
             "band",
             "squared-error",
             "curves",
+            "bands",
+            "fits",
+            "systems",
+            "braking",
+            "cruise",
+            "following",
+            "learning",
             "groups",
             "trips",
             "findings",

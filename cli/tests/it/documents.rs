@@ -44,9 +44,19 @@ fn keys_come_in_the_documented_order() {
             "version",
             "config",
             "inputs",
+            "hold_out",
             "models",
             "folds",
-            "baselines"
+            "baselines",
+            "paired",
+            "bands",
+            "left_out",
+            "braking",
+            "function_fits",
+            "learning_curve",
+            "cruise",
+            "following",
+            "system_identification"
         ]
     );
 }

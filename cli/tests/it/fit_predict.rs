@@ -16,7 +16,11 @@ fn every_model_is_fitted_written_read_and_predicts() {
         "exponential",
         "exponential-amplitude",
         "rise-time",
+        "rise-time-exact",
+        "transition-point",
         "profile",
+        "profile-conditioned",
+        "profile-onset",
         "constant",
         "straight",
         "smoothstep",
@@ -55,7 +59,136 @@ fn a_model_file_says_where_it_comes_from() {
     .ok();
     let model: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
-    assert_eq!(model["schema"], "drivekit/model/1");
-    assert_eq!(model["inputs"][0]["path"], drive);
+    assert_eq!(model["schema"], "drivekit/model/2");
+    assert_eq!(model["phase"], "acceleration");
+    assert_eq!(model["training"]["inputs"][0]["path"], drive);
     assert_eq!(model["config"]["min_gain"], 10.0);
+}
+
+#[test]
+fn braking_has_its_own_models() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("braking.json");
+    let file = file.to_str().unwrap();
+    let drives = fixture("drives");
+    drivekit(&[
+        "fit",
+        &drives,
+        "--model",
+        "profile-onset",
+        "--phase",
+        "braking",
+        "-o",
+        file,
+    ])
+    .ok();
+    let test = fixture("drives/drive-12.csv");
+    let document = drivekit(&["predict", &test, "--model", file, "--format", "json"])
+        .ok()
+        .json();
+    let phases = document["logs"][0]["phases"].as_array().unwrap();
+    assert!(!phases.is_empty());
+    for phase in phases {
+        assert!(phase["end_speed_mps"].as_f64() < phase["start_speed_mps"].as_f64());
+        assert_eq!(phase["bands"].as_array().unwrap().len(), 4);
+    }
+}
+
+#[test]
+fn functions_of_speed_can_be_fitted_to_all_samples() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("model.json");
+    let file = file.to_str().unwrap();
+    let drives = fixture("drives");
+    let fit = |model: &str, to: &str| {
+        drivekit(&[
+            "fit", &drives, "--model", model, "--to", to, "-o", file, "--format", "json",
+        ])
+    };
+    let points = |run: crate::program::Run| run.ok().json()["training_points"].as_u64().unwrap();
+    assert!(points(fit("inverse", "samples")) > 10 * points(fit("inverse", "means")));
+    fit("profile", "samples").refused(&["--to samples", "profile"]);
+}
+
+#[test]
+fn a_prior_is_recorded_with_its_weight_and_changes_the_fit() {
+    let folder = TempDir::new().unwrap();
+    let own = fixture("drives/drive-01.csv");
+    let prior = fixture("drives/drive-02.csv");
+    let fit = |weight: &str| {
+        let file = folder.path().join(format!("{weight}.json"));
+        let arguments = [
+            "fit",
+            &own,
+            "--prior",
+            &prior,
+            "--prior-weight",
+            weight,
+            "--model",
+            "constant",
+        ];
+        drivekit(&[&arguments[..], &["-o", file.to_str().unwrap()]].concat()).ok();
+        let text = fs::read_to_string(file).unwrap();
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()
+    };
+    let (alone, joint) = (fit("0"), fit("1"));
+    assert_eq!(joint["training"]["prior_weight"], 1.0);
+    assert_eq!(joint["training"]["prior_inputs"][0]["path"], prior);
+    assert!(joint["training"]["phases"].as_u64() > alone["training"]["phases"].as_u64());
+    assert_ne!(alone["model"]["accel_mps2"], joint["model"]["accel_mps2"]);
+}
+
+#[test]
+fn a_model_is_shown_in_words_and_as_pictures() {
+    let folder = TempDir::new().unwrap();
+    let drives = fixture("drives");
+    for model in [
+        "inverse",
+        "exponential",
+        "rise-time",
+        "transition-point",
+        "profile",
+        "profile-onset",
+        "straight",
+    ] {
+        let file = folder.path().join("model.json");
+        let file = file.to_str().unwrap();
+        drivekit(&["fit", &drives, "--model", model, "-o", file]).ok();
+        let plot = folder.path().join("model.svg");
+        let text = drivekit(&["model", "show", file, "--plot", plot.to_str().unwrap()])
+            .ok()
+            .stdout;
+        assert!(
+            text.contains(model) && text.contains("0 → 50 km/h") && text.contains('●'),
+            "{text}"
+        );
+        assert!(fs::read_to_string(plot).unwrap().contains("</svg>"));
+    }
+    let document = drivekit(&[
+        "model",
+        "show",
+        folder.path().join("model.json").to_str().unwrap(),
+        "--format",
+        "json",
+    ]);
+    assert_eq!(
+        document.ok().json()["examples"].as_array().unwrap().len(),
+        3
+    );
+}
+
+#[test]
+fn a_file_that_is_no_model_is_refused_with_its_reason() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("model.json");
+    for (text, words) in [
+        ("{}", "no key `schema`"),
+        ("[1,2", "not JSON"),
+        (r#"{"schema":"drivekit/model/1"}"#, "fit the model anew"),
+        (r#"{"schema":"other/thing/1"}"#, "is no model"),
+    ] {
+        fs::write(&file, text).unwrap();
+        drivekit(&["model", "show", file.to_str().unwrap()]).refused(&["model.json", words]);
+    }
+    drivekit(&["model", "show", "absent.json"]).refused(&["absent.json"]);
 }

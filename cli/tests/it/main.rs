@@ -10,6 +10,7 @@
 
 mod architecture;
 mod bad_input;
+mod browser;
 mod calibrate;
 mod documents;
 mod energy;
@@ -18,6 +19,7 @@ mod fit_predict;
 mod flags;
 mod follow;
 mod inspect;
+mod portrait;
 mod program;
 mod segment;
 mod synth;

@@ -23,6 +23,18 @@ pub enum Error {
         /// How many there are.
         found: usize,
     },
+    /// There is too little car following to learn from.
+    #[error(
+        "car following: {found} {unit}, at least {needed} needed; add drives with the gap to the vehicle ahead"
+    )]
+    TooFewStretches {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+        /// What is counted, in words.
+        unit: &'static str,
+    },
     /// A rule or option is outside its range.
     #[error("{name} = {value} is not usable: {expected}")]
     Option {

@@ -1,13 +1,64 @@
 //! Bounded nonlinear least squares for curves `y = f(x; p)` with two or three parameters.
 //!
-//! Minimises `½ Σ (f(x_i; p) − y_i)²` subject to `lower ≤ p ≤ upper` (thesis 2.23, 2.24). The bounds are
-//! removed by `p = lower + (upper − lower)·(1 + sin q)/2`, and the trust-region method of `argmin`
-//! (Steihaug's conjugate gradients inside) works on `q` with the Gauss–Newton Hessian `JᵀJ`.
+//! Minimises `½ Σ w_i (f(x_i; p) − y_i)²` subject to `lower ≤ p ≤ upper` (thesis 2.23, 2.24). The bounds are
+//! removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`. Where the sum
+//! falls towards a bound the slope in `q` vanishes at it, so that the method ends there.
 
-use argmin::core::{CostFunction, Executor, Gradient, Hessian, State};
-use argmin::solver::trustregion::{Steihaug, TrustRegion};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra::storage::Owned;
+use nalgebra::{Const, DVector, Dyn, OMatrix, SVector};
 
-use crate::Error;
+use crate::{AccelPoint, Error};
+
+/// Relative change of the sum of squares below which the fit has converged; gradients are then off by its root.
+const SUM_TOLERANCE: f64 = 1e-14;
+
+/// The same for the free parameters.
+const PARAMETER_TOLERANCE: f64 = 1e-12;
+
+/// Cosine between residuals and every column of the Jacobian below which it has converged.
+const ANGLE_TOLERANCE: f64 = 1e-10;
+
+/// Evaluations at most, per parameter. Ordinary fits take about ten in all, along a bound a hundred.
+const PATIENCE: usize = 400;
+
+/// First step at most, relative to the free parameters: the sine is no line over more.
+const FIRST_STEP: f64 = 1.0;
+
+/// Bounds of a parameter and the free variable `q` in place of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+impl Bounds {
+    pub(crate) fn width(self) -> f64 {
+        self.upper - self.lower
+    }
+
+    /// `q` of a value.
+    pub(crate) fn free(self, value: f64) -> f64 {
+        let share = (value - self.lower) / self.width();
+        (2.0 * share - 1.0).clamp(-1.0, 1.0).asin()
+    }
+
+    /// The value at `q`.
+    pub(crate) fn bounded(self, free: f64) -> f64 {
+        let value = self.lower + self.width() * 0.5 * (1.0 + free.sin());
+        value.clamp(self.lower, self.upper)
+    }
+
+    /// Derivative of the value by `q`.
+    pub(crate) fn slope(self, free: f64) -> f64 {
+        0.5 * self.width() * free.cos()
+    }
+}
+
+/// Why a fit is not one, `None` where the method converged.
+pub(crate) fn unconverged(termination: &TerminationReason) -> Option<String> {
+    (!termination.was_successful()).then(|| format!("it did not converge: {termination:?}"))
+}
 
 /// A curve `f(x; p)` and its gradient in `p`.
 pub(crate) struct Curve<const N: usize> {
@@ -29,31 +80,33 @@ pub(crate) struct Curve<const N: usize> {
 #[derive(Debug)]
 pub(crate) struct Fit<const N: usize> {
     pub(crate) parameters: [f64; N],
-    /// `Σ (f(x_i; p) − y_i)²`.
+    /// `Σ w_i (f(x_i; p) − y_i)²`.
     pub(crate) residual_sum_of_squares: f64,
 }
 
-struct Transformed<'a, const N: usize> {
-    curve: &'a Curve<N>,
-    points: &'a [(f64, f64)],
+/// Where the method ended from one starting point.
+struct End<const N: usize> {
+    fit: Fit<N>,
+    unconverged: Option<String>,
 }
 
-const MAX_ITERATIONS: u64 = 120;
-
 impl<const N: usize> Curve<N> {
-    /// Fits the curve to `(x, y)` points.
-    pub(crate) fn fit(&self, points: &[(f64, f64)]) -> Result<Fit<N>, Error> {
-        let mut best: Option<Fit<N>> = None;
-        for start in self.starts {
-            let fit = self.fit_from(start, points)?;
-            let better = best
-                .as_ref()
-                .is_none_or(|b| fit.residual_sum_of_squares < b.residual_sum_of_squares);
-            if better && fit.residual_sum_of_squares.is_finite() {
-                best = Some(fit);
-            }
+    /// Fits the curve to `(x, y)` points. An error where the best end point is not one that the method converged to.
+    pub(crate) fn fit(&self, points: &[AccelPoint]) -> Result<Fit<N>, Error> {
+        let failure = |reason: String| Error::Fit {
+            model: self.model,
+            reason,
+        };
+        let sum = |end: &End<N>| end.fit.residual_sum_of_squares;
+        let ends = self.starts.iter().map(|start| self.fit_from(start, points));
+        let best = ends
+            .filter(|end| sum(end).is_finite())
+            .min_by(|a, b| sum(a).total_cmp(&sum(b)))
+            .ok_or_else(|| failure("no finite sum of squares from any starting point".into()))?;
+        match best.unconverged {
+            Some(reason) => Err(failure(reason)),
+            None => Ok(best.fit),
         }
-        best.ok_or_else(|| self.failure("no finite sum of squares from any starting point"))
     }
 
     /// Refuses parameters outside the bounds, which no fit can produce.
@@ -76,120 +129,158 @@ impl<const N: usize> Curve<N> {
         Ok(())
     }
 
-    fn fit_from(&self, start: &[f64; N], points: &[(f64, f64)]) -> Result<Fit<N>, Error> {
-        let problem = Transformed {
+    fn fit_from(&self, start: &[f64; N], points: &[AccelPoint]) -> End<N> {
+        let problem = Problem {
             curve: self,
             points,
+            free: SVector::from_fn(|i, _| self.bounds(i).free(start[i])),
         };
-        let solver = TrustRegion::new(Steihaug::new().with_max_iters(2 * N as u64))
-            .with_radius(0.5)
-            .and_then(|s| s.with_max_radius(2.0))
-            .map_err(|e| self.failure(e))?;
-        let outcome = Executor::new(problem, solver)
-            .configure(|state| {
-                state
-                    .param(self.free_from_bounded(start))
-                    .max_iters(MAX_ITERATIONS)
-                    .target_cost(0.0)
-            })
-            .run()
-            .map_err(|e| self.failure(e))?;
-        let free = outcome
-            .state()
-            .get_best_param()
-            .ok_or_else(|| self.failure("the optimiser returned no point"))?;
-        let parameters = self.bounded_from_free(free);
-        Ok(Fit {
-            parameters,
-            residual_sum_of_squares: self.sum_of_squares(&parameters, points),
-        })
+        let solver = LevenbergMarquardt::new()
+            .with_ftol(SUM_TOLERANCE)
+            .with_xtol(PARAMETER_TOLERANCE)
+            .with_gtol(ANGLE_TOLERANCE)
+            .with_stepbound(FIRST_STEP)
+            .with_patience(PATIENCE);
+        let (solved, report) = solver.minimize(problem);
+        End {
+            fit: Fit {
+                parameters: solved.parameters(),
+                residual_sum_of_squares: 2.0 * report.objective_function,
+            },
+            unconverged: unconverged(&report.termination),
+        }
     }
 
-    fn sum_of_squares(&self, p: &[f64; N], points: &[(f64, f64)]) -> f64 {
-        points
-            .iter()
-            .map(|&(x, y)| ((self.value)(p, x) - y).powi(2))
-            .sum()
-    }
-
-    fn bounded_from_free(&self, q: &[f64]) -> [f64; N] {
-        std::array::from_fn(|i| {
-            let (lower, upper) = (self.lower[i], self.upper[i]);
-            (lower + (upper - lower) * 0.5 * (1.0 + q[i].sin())).clamp(lower, upper)
-        })
-    }
-
-    fn free_from_bounded(&self, p: &[f64; N]) -> Vec<f64> {
-        (0..N)
-            .map(|i| {
-                let share = (p[i] - self.lower[i]) / (self.upper[i] - self.lower[i]);
-                (2.0 * share - 1.0).clamp(-1.0, 1.0).asin()
-            })
-            .collect()
-    }
-
-    fn failure(&self, reason: impl std::fmt::Display) -> Error {
-        Error::Fit {
-            model: self.model,
-            reason: reason.to_string(),
+    fn bounds(&self, i: usize) -> Bounds {
+        Bounds {
+            lower: self.lower[i],
+            upper: self.upper[i],
         }
     }
 }
 
-impl<const N: usize> Transformed<'_, N> {
-    /// Calls `visit` with the residual and its gradient in the free parameters for every point.
-    fn for_each_residual(&self, q: &[f64], mut visit: impl FnMut(f64, &[f64; N])) {
-        let p = self.curve.bounded_from_free(q);
-        let stretch: [f64; N] =
-            std::array::from_fn(|i| (self.curve.upper[i] - self.curve.lower[i]) * 0.5 * q[i].cos());
-        for &(x, y) in self.points {
-            let mut gradient = (self.curve.gradient)(&p, x);
-            for (g, s) in gradient.iter_mut().zip(stretch) {
-                *g *= s;
+struct Problem<'a, const N: usize> {
+    curve: &'a Curve<N>,
+    points: &'a [AccelPoint],
+    free: SVector<f64, N>,
+}
+
+impl<const N: usize> Problem<'_, N> {
+    fn parameters(&self) -> [f64; N] {
+        std::array::from_fn(|i| self.curve.bounds(i).bounded(self.free[i]))
+    }
+}
+
+impl<const N: usize> LeastSquaresProblem<f64, Dyn, Const<N>> for Problem<'_, N> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Const<N>>;
+    type ParameterStorage = Owned<f64, Const<N>>;
+
+    fn set_params(&mut self, free: &SVector<f64, N>) {
+        self.free = *free;
+    }
+
+    fn params(&self) -> SVector<f64, N> {
+        self.free
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let p = self.parameters();
+        let residual = |point: &AccelPoint| {
+            let off = (self.curve.value)(&p, point.speed_mps) - point.accel_mps2;
+            point.weight.sqrt() * off
+        };
+        let residuals = self.points.iter().map(residual);
+        Some(DVector::from_iterator(self.points.len(), residuals))
+    }
+
+    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, Const<N>>> {
+        let p = self.parameters();
+        let slopes: [f64; N] = std::array::from_fn(|i| self.curve.bounds(i).slope(self.free[i]));
+        let mut jacobian = OMatrix::<f64, Dyn, Const<N>>::zeros(self.points.len());
+        for (mut row, point) in jacobian.row_iter_mut().zip(self.points) {
+            let root = point.weight.sqrt();
+            let gradient = (self.curve.gradient)(&p, point.speed_mps);
+            for (place, (g, slope)) in row.iter_mut().zip(gradient.iter().zip(slopes)) {
+                *place = root * slope * g;
             }
-            visit((self.curve.value)(&p, x) - y, &gradient);
+        }
+        Some(jacobian)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Bounds = Bounds {
+        lower: -1.0,
+        upper: 3.0,
+    };
+
+    #[test]
+    fn values_within_bounds_come_back_and_others_are_clamped() {
+        for value in [-1.0, -0.999, 0.0, 1.0, 2.5, 3.0] {
+            assert!((BOUNDS.bounded(BOUNDS.free(value)) - value).abs() < 1e-12);
+        }
+        assert!((BOUNDS.bounded(BOUNDS.free(7.0)) - 3.0).abs() < 1e-12);
+        for free in [-40.0, -1.0, 0.3, 2.0, 1e9] {
+            assert!((-1.0..=3.0).contains(&BOUNDS.bounded(free)));
+            let step = 1e-6;
+            let rise = BOUNDS.bounded(0.3 + step) - BOUNDS.bounded(0.3 - step);
+            assert!((BOUNDS.slope(0.3) - rise / (2.0 * step)).abs() < 1e-6);
         }
     }
-}
 
-impl<const N: usize> CostFunction for Transformed<'_, N> {
-    type Param = Vec<f64>;
-    type Output = f64;
+    /// A line whose parameters are its values at 0 and 1.
+    const LINE: Curve<2> = Curve {
+        model: "line",
+        value: |p, x| p[0] + (p[1] - p[0]) * x,
+        gradient: |_, x| [1.0 - x, x],
+        lower: [-1.0, -1.0],
+        upper: [1.0, 1.0],
+        starts: &[[0.5, 0.5], [-0.9, 0.1]],
+    };
 
-    fn cost(&self, q: &Self::Param) -> Result<f64, argmin::core::Error> {
-        let p = self.curve.bounded_from_free(q);
-        Ok(0.5 * self.curve.sum_of_squares(&p, self.points))
+    #[test]
+    fn a_line_is_found_and_one_outside_ends_at_the_bound() {
+        let points = |at_0: f64, at_1: f64| {
+            let on_line = |x: f64| AccelPoint::new(x, at_0 + (at_1 - at_0) * x);
+            [0.0, 0.5, 1.0].map(on_line)
+        };
+        let fit = LINE.fit(&points(0.3, -0.2)).unwrap();
+        assert!((fit.parameters[0] - 0.3).abs() < 1e-9);
+        assert!((fit.parameters[1] + 0.2).abs() < 1e-9);
+        // From 1 at x = 0: y(0.5) is 0.5·p1 − 1 too high and y(1) is p1, least at p1 = 0.4.
+        let fit = LINE.fit(&points(3.0, 0.0)).unwrap();
+        assert!((fit.parameters[0] - 1.0).abs() < 1e-9);
+        assert!((fit.parameters[1] - 0.4).abs() < 1e-6, "{fit:?}");
     }
-}
 
-impl<const N: usize> Gradient for Transformed<'_, N> {
-    type Param = Vec<f64>;
-    type Gradient = Vec<f64>;
-
-    fn gradient(&self, q: &Self::Param) -> Result<Vec<f64>, argmin::core::Error> {
-        let mut sum = vec![0.0; N];
-        self.for_each_residual(q, |residual, gradient| {
-            for (s, g) in sum.iter_mut().zip(gradient) {
-                *s += residual * g;
-            }
-        });
-        Ok(sum)
+    #[test]
+    fn a_method_that_does_not_converge_is_an_error() {
+        // A root of order 40, of which every step leaves 39 fortieths.
+        let flat = Curve::<1> {
+            model: "flat",
+            value: |p, _| (300.0 * p[0]).powi(40),
+            gradient: |p, _| [12_000.0 * (300.0 * p[0]).powi(39)],
+            lower: [-1.0],
+            upper: [1.0],
+            starts: &[[0.9]],
+        };
+        let reason = flat.fit(&[AccelPoint::new(0.0, 0.0)]).unwrap_err();
+        let reason = reason.to_string();
+        assert!(
+            reason.contains("flat") && reason.contains("LostPatience"),
+            "{reason}"
+        );
     }
-}
 
-impl<const N: usize> Hessian for Transformed<'_, N> {
-    type Param = Vec<f64>;
-    type Hessian = Vec<Vec<f64>>;
-
-    fn hessian(&self, q: &Self::Param) -> Result<Vec<Vec<f64>>, argmin::core::Error> {
-        let mut sum = vec![vec![0.0; N]; N];
-        self.for_each_residual(q, |_, gradient| {
-            for (row, gi) in sum.iter_mut().zip(gradient) {
-                for (s, gj) in row.iter_mut().zip(gradient) {
-                    *s += gi * gj;
-                }
-            }
-        });
-        Ok(sum)
+    #[test]
+    fn points_that_are_no_numbers_are_an_error() {
+        let points = [AccelPoint::new(0.0, f64::NAN), AccelPoint::new(1.0, 0.2)];
+        let reason = LINE.fit(&points).unwrap_err().to_string();
+        assert!(reason.contains("no finite sum"), "{reason}");
     }
 }

@@ -1,25 +1,39 @@
 //! How a driver accelerates, learnt from recorded drives, and how well that predicts drives it has not seen.
 //!
-//! Of an acceleration phase a model may know the speed `v0` at its start, its duration `T` and, some, the speed `v_end`
-//! at its end; it answers with the speed `v(t)`, `0 ≤ t ≤ T`:
+//! Of an acceleration or braking phase a model may know the speed `v0` at its start, its duration `T` and, some, the speed
+//! `v_end` at its end; it answers with the speed `v(t)`, `0 ≤ t ≤ T`:
 //!
 //! ```text
-//! inverse       v̇ = 1/(p1 v + p2)                            knows v0, T           function fit on segment means
-//! exponential   v̇ = p0·e^(−p1 v) + p2                        knows v0, T           the same; p0 = 1 as printed
-//! rise-time     v = v0 + K(1 − (1 + t/T_c)e^(−t/T_c))         knows v0, v_end, T    K = v_end − v0, T_c per speed group
-//! profile       v = v0 + (v_end − v0)·s(t/T)                  knows v0, v_end, T    s is the driver's mean shape
-//! baselines     constant (v0, T), straight and smoothstep (v0, v_end, T)
+//! inverse            v̇ = 1/(p1 v + p2)                        knows v0, T           function fit on segment means
+//! exponential        v̇ = p0·e^(−p1 v) + p2                    knows v0, T           the same; p0 = 1 as printed
+//! rise-time          v = v0 + K(1 − (1 + t/T_c)e^(−t/T_c))     knows v0, v_end, T    K = v_end − v0, T_c per speed group
+//! transition-point   v = v0 + K·h(t)                          knows v0, v_end, T    h of order 2 to 10 per speed group
+//! profile            v = v0 + K·s(t/T)                        knows v0, v_end, T    s is the driver's mean shape
+//! profile-onset      v = v0 + K·s(t/T; v0, T, K, onset)       knows also the onset  with a predictive band
+//! baselines          constant (v0, T), straight and smoothstep (v0, v_end, T)
 //! ```
 //!
-//! The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels ([`HeuristicRules`]) and its segments by
-//! statistics ([`StatisticalRules`]), those under a leader's influence left out; [`DriverModel::fit`] learns from a
-//! [`TrainingSet`]; [`leave_one_trip_out`] holds every trip out once and sums up in an [`Evaluation`].
+//! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels
+//! ([`HeuristicRules`]) and its segments by statistics ([`StatisticalRules`]), those under a leader's influence left out;
+//! [`DriverModel::fit`] learns from a [`TrainingSet`], in which other drivers count less; [`leave_one_out`] holds every trip
+//! or driver out once and sums up in an [`Evaluation`].
+//!
+//! [`CruiseModel`] says how the driver holds a speed, and [`portrait::Portrait`] what kind of driver this is.
+//!
+//! Behind a vehicle the gap decides: [`following_stretches`] cuts the stretches behind one leader out of a log,
+//! [`FollowingModel::fit`] calibrates a model of car following by simulating them as a whole, and [`evaluate_following`]
+//! holds every group of stretches out once.
+//!
+//! ```text
+//! idm                 a = a_max [1 − (v/v_d)⁴ − (s*/s)²]            s* = s0 + max(0, v T + v Δv/(2 √(a_max b)))
+//! constant-time-gap   a = (v_lead − v + λ (s − s0 − τ v))/τ         baseline
+//! ```
 //!
 //! # Example
 //!
 //! ```
 //! use driver_model::synth::{SynthSettings, simulate};
-//! use driver_model::{EvaluationSettings, PhaseSettings, Trip, leave_one_trip_out};
+//! use driver_model::{EvaluationData, EvaluationSettings, PhaseKind, PhaseSettings, Trip, leave_one_out};
 //! use drive_log::Drive;
 //!
 //! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
@@ -29,7 +43,9 @@
 //!     .map(|simulated| Trip::from_drive(&Drive::from(simulated.log), &PhaseSettings::default()))
 //!     .collect::<Result<Vec<_>, _>>()?;
 //!
-//! let evaluation = leave_one_trip_out(&trips, &vehicle, &EvaluationSettings::default(), &|| {})?;
+//! let data = EvaluationData::by_trip(&trips);
+//! let settings = EvaluationSettings::default();
+//! let evaluation = leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})?;
 //! for (model, figures) in evaluation.models.iter().zip(&evaluation.summaries) {
 //!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", figures.rmse_mps * 3.6, figures.in_band_pct);
 //! }
@@ -43,24 +59,35 @@
 //! - A. R. Conn, N. I. M. Gould, P. L. Toint: Trust-Region Methods. SIAM, 2000.
 //! - M. Treiber, A. Hennecke, D. Helbing: Congested traffic states in empirical observations and microscopic
 //!   simulations. Physical Review E 62, 2000. The simulated drivers follow by it.
+//! - A. Kesting, M. Treiber: Calibrating car-following models by using trajectory data. Transportation Research Record
+//!   2088, 2008.
 
+mod cruise;
 mod energy;
 mod error;
 mod evaluate;
+mod following;
+mod function_fit;
 mod lead;
 mod least_squares;
 mod model;
 mod model_file;
 mod phase;
 pub mod phase_model;
+pub mod portrait;
 mod prediction;
 mod segmenter;
 mod statistical;
 mod stream;
 pub mod synth;
 mod tally;
+mod training;
 mod trip;
 
+pub use cruise::{
+    Bias, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseModel, CruiseSettings, CruiseStretch,
+    CruiseSummary, cruise_stretches, evaluate_cruise,
+};
 pub use energy::{
     Auxiliaries, CalibrationReport, CalibrationScore, CalibrationTripScore, DriveEnergy,
     EnergyStep, EnergyTotals, Measured, PowerCurve, ResidualBin, Residuals, SlopeEffect,
@@ -68,13 +95,21 @@ pub use energy::{
 };
 pub use error::Error;
 pub use evaluate::{
-    EnergyError, EvaluatedPhase, Evaluation, EvaluationSettings, Fold, GroupSummary, Summary,
-    leave_one_trip_out,
+    BandCoverage, EnergyError, EvaluatedPhase, Evaluation, EvaluationData, EvaluationSettings,
+    Figures, Fold, LearningPoint, PairedComparison, Summary, TrainingSource, Verdict,
+    learning_curve, leave_one_out,
 };
+pub use following::{
+    ConstantTimeGap, FollowingErrors, FollowingEvaluation, FollowingFit, FollowingFold,
+    FollowingGroup, FollowingKind, FollowingModel, FollowingSettings, FollowingStretch,
+    FollowingSummary, Idm, PairedDifference, PerFollowingModel, ScoredStretch, SimulatedFollowing,
+    evaluate_following, following_stretches,
+};
+pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
-pub use model::{DriverModel, ModelKind, TrainingSet};
-pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput};
-pub use phase::{HeuristicRules, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
+pub use model::{DriverModel, ModelKind};
+pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
+pub use phase::{HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
 pub use phase_model::SpeedGroup;
 pub use prediction::PhasePrediction;
 pub use segmenter::{MethodFigures, Segmenter};
@@ -82,4 +117,5 @@ pub use statistical::{
     Method, Optimality, Scaling, Segmented, Segments, StatisticalRules, dead_banded,
 };
 pub use stream::{PhaseStream, Reading, StreamedPhase};
-pub use trip::{PhaseSettings, Trip};
+pub use training::{AccelPoint, PointsOf, TrainingPhase, TrainingSet};
+pub use trip::{LeadInfluenced, PhaseSettings, Segment, Trip};

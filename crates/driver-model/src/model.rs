@@ -3,8 +3,11 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::phase_model::{Constant, Exponential, Inverse, Profile, RiseTime, smoothstep, straight};
-use crate::{Error, PhaseCurve, PhaseOutline};
+use crate::phase_model::{
+    ConditionedProfile, Conditioning, Constant, Exponential, Inverse, PredictiveBand, Profile,
+    RiseTime, TransitionPoint, smoothstep, straight,
+};
+use crate::{AccelPoint, Error, PhaseOutline, TrainingSet};
 
 /// The models and baselines, in the order in which tables print them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -18,8 +21,16 @@ pub enum ModelKind {
     ExponentialAmplitude,
     /// Second-order step response with a mean time constant per speed group.
     RiseTime,
+    /// The same, reaching 95 % of the gain exactly at the end of a phase of mean duration.
+    RiseTimeExact,
+    /// Step response of the order and with the constants most common in its speed group.
+    TransitionPoint,
     /// The driver's mean normalised shape.
     Profile,
+    /// The normalised shape as it depends on start speed, duration and pace.
+    ProfileConditioned,
+    /// The same, also on how the phase is entered.
+    ProfileOnset,
     /// Baseline: mean acceleration.
     Constant,
     /// Baseline: straight line from start to end speed.
@@ -30,12 +41,16 @@ pub enum ModelKind {
 
 impl ModelKind {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Inverse,
         Self::Exponential,
         Self::ExponentialAmplitude,
         Self::RiseTime,
+        Self::RiseTimeExact,
+        Self::TransitionPoint,
         Self::Profile,
+        Self::ProfileConditioned,
+        Self::ProfileOnset,
         Self::Constant,
         Self::Straight,
         Self::Smoothstep,
@@ -49,7 +64,11 @@ impl ModelKind {
             Self::Exponential => "exponential",
             Self::ExponentialAmplitude => "exponential-amplitude",
             Self::RiseTime => "rise-time",
+            Self::RiseTimeExact => "rise-time-exact",
+            Self::TransitionPoint => "transition-point",
             Self::Profile => "profile",
+            Self::ProfileConditioned => "profile-conditioned",
+            Self::ProfileOnset => "profile-onset",
             Self::Constant => "constant",
             Self::Straight => "straight",
             Self::Smoothstep => "smoothstep",
@@ -62,14 +81,21 @@ impl ModelKind {
         matches!(self, Self::Constant | Self::Straight | Self::Smoothstep)
     }
 
-    /// Whether the model is told the end speed beside start speed and duration.
+    /// What the model is told of a phase, in words.
     #[must_use]
-    pub fn knows_end_speed(self) -> bool {
+    pub fn knows(self) -> &'static str {
         match self {
             Self::Inverse | Self::Exponential | Self::ExponentialAmplitude | Self::Constant => {
-                false
+                "v0, T"
             }
-            Self::RiseTime | Self::Profile | Self::Straight | Self::Smoothstep => true,
+            Self::RiseTime
+            | Self::RiseTimeExact
+            | Self::TransitionPoint
+            | Self::Profile
+            | Self::ProfileConditioned
+            | Self::Straight
+            | Self::Smoothstep => "v0, v_end, T",
+            Self::ProfileOnset => "v0, v_end, T, onset",
         }
     }
 }
@@ -94,15 +120,6 @@ impl FromStr for ModelKind {
     }
 }
 
-/// What models are fitted to: phases by the heuristic route, segment means by the statistical route.
-#[derive(Debug, Clone, Default)]
-pub struct TrainingSet<'a> {
-    /// Acceleration phases without a leader.
-    pub phases: Vec<&'a PhaseCurve>,
-    /// `(mean speed in m/s, mean acceleration in m/s²)` of acceleration segments without a leader.
-    pub segment_means: Vec<(f64, f64)>,
-}
-
 /// A fitted model; parameters are checked when it comes from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -115,8 +132,16 @@ pub enum DriverModel {
     ExponentialAmplitude(Exponential),
     /// See [`RiseTime`].
     RiseTime(RiseTime),
+    /// See [`RiseTime::EXACT_RISE_TIME_CONSTANTS`].
+    RiseTimeExact(RiseTime),
+    /// See [`TransitionPoint`].
+    TransitionPoint(TransitionPoint),
     /// See [`Profile`].
     Profile(Profile),
+    /// See [`ConditionedProfile`].
+    ProfileConditioned(ConditionedProfile),
+    /// See [`ConditionedProfile`], over six features.
+    ProfileOnset(ConditionedProfile),
     /// See [`Constant`].
     Constant(Constant),
     /// See [`straight`].
@@ -131,18 +156,29 @@ impl DriverModel {
     /// # Errors
     /// [`Error::TooFewPhases`] and [`Error::Fit`], naming the model.
     pub fn fit(kind: ModelKind, training: &TrainingSet<'_>) -> Result<Self, Error> {
-        let outlines =
-            || -> Vec<PhaseOutline> { training.phases.iter().map(|p| p.outline()).collect() };
-        let means = &training.segment_means;
+        let points = &training.points;
         Ok(match kind {
-            ModelKind::Inverse => Self::Inverse(Inverse::fit(means)?),
-            ModelKind::Exponential => Self::Exponential(Exponential::fit_printed(means)?),
+            ModelKind::Inverse => Self::Inverse(Inverse::fit(points)?),
+            ModelKind::Exponential => Self::Exponential(Exponential::fit_printed(points)?),
             ModelKind::ExponentialAmplitude => {
-                Self::ExponentialAmplitude(Exponential::fit_with_amplitude(means)?)
+                Self::ExponentialAmplitude(Exponential::fit_with_amplitude(points)?)
             }
-            ModelKind::RiseTime => Self::RiseTime(RiseTime::fit(&outlines())?),
-            ModelKind::Profile => Self::Profile(Profile::fit(&training.phases)?),
-            ModelKind::Constant => Self::Constant(Constant::fit(&outlines())?),
+            ModelKind::RiseTime => {
+                Self::RiseTime(RiseTime::fit(training, RiseTime::RISE_TIME_CONSTANTS)?)
+            }
+            ModelKind::RiseTimeExact => Self::RiseTimeExact(RiseTime::fit(
+                training,
+                RiseTime::EXACT_RISE_TIME_CONSTANTS,
+            )?),
+            ModelKind::TransitionPoint => Self::TransitionPoint(TransitionPoint::fit(training)?),
+            ModelKind::Profile => Self::Profile(Profile::fit(training)?),
+            ModelKind::ProfileConditioned => {
+                Self::ProfileConditioned(ConditionedProfile::fit(Conditioning::Outline, training)?)
+            }
+            ModelKind::ProfileOnset => {
+                Self::ProfileOnset(ConditionedProfile::fit(Conditioning::Onset, training)?)
+            }
+            ModelKind::Constant => Self::Constant(Constant::fit(training)?),
             ModelKind::Straight => Self::Straight,
             ModelKind::Smoothstep => Self::Smoothstep,
         })
@@ -156,42 +192,61 @@ impl DriverModel {
             Self::Exponential(_) => ModelKind::Exponential,
             Self::ExponentialAmplitude(_) => ModelKind::ExponentialAmplitude,
             Self::RiseTime(_) => ModelKind::RiseTime,
+            Self::RiseTimeExact(_) => ModelKind::RiseTimeExact,
+            Self::TransitionPoint(_) => ModelKind::TransitionPoint,
             Self::Profile(_) => ModelKind::Profile,
+            Self::ProfileConditioned(_) => ModelKind::ProfileConditioned,
+            Self::ProfileOnset(_) => ModelKind::ProfileOnset,
             Self::Constant(_) => ModelKind::Constant,
             Self::Straight => ModelKind::Straight,
             Self::Smoothstep => ModelKind::Smoothstep,
         }
     }
 
-    /// Predicted speed in m/s at every sample of the phase.
+    /// Predicted speed in m/s at every sample of the phase, at least 0 while braking.
+    ///
+    /// Braking is acceleration in reversed time: the functions of speed run backward from `v0`, the step responses from `v_end`.
     #[must_use]
     pub fn predict(&self, outline: &PhaseOutline) -> Vec<f64> {
         let &PhaseOutline {
             start_speed_mps: v0,
             end_speed_mps: v_end,
-            step_s,
-            samples,
+            ..
         } = outline;
-        let over_time = |speed: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            (0..samples).map(|k| speed(k as f64 * step_s)).collect()
-        };
-        let last = (samples.max(2) - 1) as f64;
-        let over_share = |speed: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            (0..samples).map(|k| speed(k as f64 / last)).collect()
-        };
-        match self {
-            Self::Inverse(m) => over_time(&|t| m.speed_mps(v0, t)),
+        let sign = if outline.is_braking() { -1.0 } else { 1.0 };
+        let mut speed_mps: Vec<f64> = match self {
+            Self::Inverse(m) => over_time(outline, |t| m.speed_mps(v0, sign * t)),
             Self::Exponential(m) | Self::ExponentialAmplitude(m) => {
-                over_time(&|t| m.speed_mps(v0, t))
+                over_time(outline, |t| m.speed_mps(v0, sign * t))
             }
-            Self::RiseTime(m) => {
-                let (time_constant_s, _) = m.constant_for(outline.group());
-                over_time(&|t| RiseTime::speed_mps(time_constant_s, v0, v_end, t))
+            Self::RiseTime(m) | Self::RiseTimeExact(m) => {
+                let (time_constant_s, _) = m.constant_for(outline.rising().group());
+                over_rising(outline, |v0, v_end, t| {
+                    RiseTime::speed_mps(time_constant_s, v0, v_end, t)
+                })
             }
-            Self::Profile(m) => over_share(&|share| m.speed_mps(v0, v_end, share)),
-            Self::Constant(m) => over_time(&|t| v0 + m.accel_mps2 * t),
-            Self::Straight => over_share(&|share| straight(v0, v_end, share)),
-            Self::Smoothstep => over_share(&|share| smoothstep(v0, v_end, share)),
+            Self::TransitionPoint(m) => {
+                let (response, _) = m.response_for(outline.rising().group());
+                over_rising(outline, |v0, v_end, t| response.speed_mps(v0, v_end, t))
+            }
+            Self::Profile(m) => over_share(outline, |share| m.speed_mps(v0, v_end, share)),
+            Self::ProfileConditioned(m) | Self::ProfileOnset(m) => m.speeds_mps(outline),
+            Self::Constant(m) => over_time(outline, |t| v0 + sign * m.accel_mps2 * t),
+            Self::Straight => over_share(outline, |share| straight(v0, v_end, share)),
+            Self::Smoothstep => over_share(outline, |share| smoothstep(v0, v_end, share)),
+        };
+        if outline.is_braking() {
+            speed_mps.iter_mut().for_each(|v| *v = v.max(0.0));
+        }
+        speed_mps
+    }
+
+    /// Bands around the predicted speed by rising level, where the model has them.
+    #[must_use]
+    pub fn bands(&self, outline: &PhaseOutline) -> Vec<PredictiveBand> {
+        match self {
+            Self::ProfileConditioned(m) | Self::ProfileOnset(m) => m.bands(outline),
+            _ => Vec::new(),
         }
     }
 
@@ -199,18 +254,21 @@ impl DriverModel {
     #[must_use]
     pub fn falls_back(&self, outline: &PhaseOutline) -> bool {
         match self {
-            Self::RiseTime(m) => !m.constant_for(outline.group()).1,
+            Self::RiseTime(m) | Self::RiseTimeExact(m) => {
+                !m.constant_for(outline.rising().group()).1
+            }
+            Self::TransitionPoint(m) => !m.response_for(outline.rising().group()).1,
             _ => false,
         }
     }
 
-    /// Sum of squared residuals in (m/s²)² over segment means, the entry of Table 3.6, for the function fits.
+    /// Sum of squared residuals in (m/s²)² over points of acceleration, the entry of Table 3.6, for the function fits.
     #[must_use]
-    pub fn residual_sum_of_squares(&self, segment_means: &[(f64, f64)]) -> Option<f64> {
+    pub fn residual_sum_of_squares(&self, points: &[AccelPoint]) -> Option<f64> {
         match self {
-            Self::Inverse(m) => Some(m.residual_sum_of_squares(segment_means)),
+            Self::Inverse(m) => Some(m.residual_sum_of_squares(points)),
             Self::Exponential(m) | Self::ExponentialAmplitude(m) => {
-                Some(m.residual_sum_of_squares(segment_means))
+                Some(m.residual_sum_of_squares(points))
             }
             _ => None,
         }
@@ -224,10 +282,37 @@ impl DriverModel {
         match self {
             Self::Inverse(m) => m.check(),
             Self::Exponential(m) | Self::ExponentialAmplitude(m) => m.check(self.kind()),
-            Self::RiseTime(m) => m.check(),
+            Self::RiseTime(m) | Self::RiseTimeExact(m) => m.check(),
+            Self::TransitionPoint(m) => m.check(),
             Self::Profile(m) => m.check(),
+            Self::ProfileConditioned(m) => m.check(Conditioning::Outline),
+            Self::ProfileOnset(m) => m.check(Conditioning::Onset),
             Self::Constant(m) => m.check(),
             Self::Straight | Self::Smoothstep => Ok(()),
         }
     }
+}
+
+fn over_time(outline: &PhaseOutline, speed: impl Fn(f64) -> f64) -> Vec<f64> {
+    (0..outline.samples)
+        .map(|k| speed(k as f64 * outline.step_s))
+        .collect()
+}
+
+fn over_share(outline: &PhaseOutline, speed: impl Fn(f64) -> f64) -> Vec<f64> {
+    let last = (outline.samples.max(2) - 1) as f64;
+    (0..outline.samples)
+        .map(|k| speed(k as f64 / last))
+        .collect()
+}
+
+/// Over the time of the phase with rising speed, given its start and end speed.
+fn over_rising(outline: &PhaseOutline, speed: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
+    let rising = outline.rising();
+    let (v0, v_end) = (rising.start_speed_mps, rising.end_speed_mps);
+    let mut speed_mps = over_time(outline, |t| speed(v0, v_end, t));
+    if outline.is_braking() {
+        speed_mps.reverse();
+    }
+    speed_mps
 }

@@ -1,14 +1,15 @@
+use std::borrow::Cow;
 use std::ops::Range;
 
 use drive_log::DriveLog;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use tseg::{Metrics, Segmentation};
 
 use crate::{Error, Segmented, SpeedGroup, dead_banded, lead};
 
 /// What the driver does during a stretch of a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PhaseKind {
     /// Speeding up.
@@ -154,6 +155,32 @@ pub struct PhaseOutline {
     pub step_s: f64,
     /// Number of samples, at least 2.
     pub samples: usize,
+    /// How the phase is entered; `None` at the beginning of a log.
+    pub onset: Option<Onset>,
+}
+
+/// The driver's motion as a phase begins: backward differences of the smoothed speed that end with its first sample, whose speed
+/// every model is told.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Onset {
+    /// Acceleration.
+    pub accel_mps2: f64,
+    /// Its change over one step.
+    pub jerk_mps3: f64,
+    /// The same, one step earlier.
+    pub previous_jerk_mps3: f64,
+}
+
+impl Onset {
+    fn before(start: usize, speed_mps: &[f64], step_s: f64) -> Option<Self> {
+        let speed = speed_mps.get(start.checked_sub(3)?..=start)?;
+        let accel = |k: usize| (speed[k + 1] - speed[k]) / step_s;
+        Some(Self {
+            accel_mps2: accel(2),
+            jerk_mps3: (accel(2) - accel(1)) / step_s,
+            previous_jerk_mps3: (accel(1) - accel(0)) / step_s,
+        })
+    }
 }
 
 impl PhaseOutline {
@@ -167,6 +194,26 @@ impl PhaseOutline {
     #[must_use]
     pub fn gain_mps(&self) -> f64 {
         self.end_speed_mps - self.start_speed_mps
+    }
+
+    /// Whether speed falls.
+    #[must_use]
+    pub fn is_braking(&self) -> bool {
+        self.gain_mps() < 0.0
+    }
+
+    /// The phase with rising speed: braking in reversed time (thesis 3.3.1). An onset has no counterpart there.
+    #[must_use]
+    pub fn rising(&self) -> Self {
+        if !self.is_braking() {
+            return *self;
+        }
+        Self {
+            start_speed_mps: self.end_speed_mps,
+            end_speed_mps: self.start_speed_mps,
+            onset: None,
+            ..*self
+        }
     }
 
     /// Group by start and end speed.
@@ -183,10 +230,11 @@ pub struct PhaseCurve {
     step_s: f64,
     speed_mps: Vec<f64>,
     slope_rad: Option<Vec<f64>>,
+    onset: Option<Onset>,
 }
 
 impl PhaseCurve {
-    /// Cuts `phase` out of a log. `None` where it has fewer than two samples or gains no speed.
+    /// Cuts `phase` out of a log. `None` where it has fewer than two samples or ends with the speed that it began with.
     #[must_use]
     pub fn cut(log: &DriveLog, slope_rad: Option<&[f64]>, phase: &Phase) -> Option<Self> {
         let range = phase.start..phase.end;
@@ -199,6 +247,7 @@ impl PhaseCurve {
             start_s: log.time_s(phase.start),
             step_s: log.step_s(),
             slope_rad: slope_rad.and_then(|s| s.get(range)).map(<[f64]>::to_vec),
+            onset: Onset::before(phase.start, log.speed_mps(), log.step_s()),
             speed_mps,
         })
     }
@@ -207,6 +256,16 @@ impl PhaseCurve {
     #[must_use]
     pub fn start_s(&self) -> f64 {
         self.start_s
+    }
+
+    /// Acceleration or braking, whichever the speed does from first to last sample.
+    #[must_use]
+    pub fn kind(&self) -> PhaseKind {
+        if self.outline().is_braking() {
+            PhaseKind::Braking
+        } else {
+            PhaseKind::Acceleration
+        }
     }
 
     /// Measured speed, at least two samples.
@@ -229,6 +288,17 @@ impl PhaseCurve {
             end_speed_mps: self.speed_mps[self.speed_mps.len() - 1],
             step_s: self.step_s,
             samples: self.speed_mps.len(),
+            onset: self.onset,
+        }
+    }
+
+    /// The speed as it rises: that of braking in reversed time.
+    #[must_use]
+    pub fn rising_speed_mps(&self) -> Cow<'_, [f64]> {
+        if self.outline().is_braking() {
+            Cow::Owned(self.speed_mps.iter().rev().copied().collect())
+        } else {
+            Cow::Borrowed(&self.speed_mps)
         }
     }
 }

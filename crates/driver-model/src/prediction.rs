@@ -1,5 +1,6 @@
 use serde::Serialize;
 
+use crate::phase_model::PredictiveBand;
 use crate::{DriverModel, PhaseCurve};
 
 /// One model's prediction of one phase, and how far it is off the measured speed.
@@ -17,6 +18,9 @@ pub struct PhasePrediction {
     pub final_speed_error_mps: f64,
     /// The model had no training phase of this speed group and used another's parameter.
     pub fallback: bool,
+    /// Bands around the predicted speed by rising level, where the model has them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<PredictiveBand>,
 }
 
 impl PhasePrediction {
@@ -36,6 +40,7 @@ impl PhasePrediction {
             in_band_pct: 100.0 * inside as f64 / n,
             final_speed_error_mps: errors().next_back().unwrap_or(0.0),
             fallback: model.falls_back(&outline),
+            bands: model.bands(&outline),
             speed_mps,
         }
     }

@@ -2,7 +2,10 @@ use drive_log::{Drive, DriveLog};
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
 use crate::energy::slope_rad;
-use crate::{Error, HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules};
+use crate::{
+    AccelPoint, CruiseSettings, CruiseStretch, Error, FollowingSettings, FollowingStretch,
+    HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules, cruise_stretches, following_stretches,
+};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +20,10 @@ pub struct PhaseSettings {
     pub min_gain_mps: f64,
     /// Elevation is smoothed over this distance to either side before it gives a slope; 100 m.
     pub slope_bandwidth_m: f64,
+    /// Stretches behind a leader.
+    pub following: FollowingSettings,
+    /// Stretches of cruising.
+    pub cruise: CruiseSettings,
 }
 
 impl Default for PhaseSettings {
@@ -27,6 +34,8 @@ impl Default for PhaseSettings {
             min_duration_s: 3.0,
             min_gain_mps: 10.0 / 3.6,
             slope_bandwidth_m: DEFAULT_SLOPE_BANDWIDTH_M,
+            following: FollowingSettings::default(),
+            cruise: CruiseSettings::default(),
         }
     }
 }
@@ -36,12 +45,36 @@ impl Default for PhaseSettings {
 pub struct Trip {
     /// Name of the drive.
     pub name: String,
-    /// Acceleration phases by the heuristic route that count.
+    /// Acceleration and braking phases by the heuristic route that count.
     pub phases: Vec<PhaseCurve>,
-    /// `(mean speed, mean acceleration)` of acceleration segments by the statistical route, without a leader.
-    pub segment_means: Vec<(f64, f64)>,
-    /// Acceleration phases that would count but for a leader.
-    pub lead_influenced_phases: usize,
+    /// Acceleration and braking segments by the statistical route, without a leader.
+    pub segments: Vec<Segment>,
+    /// Phases that would count but for a leader.
+    pub lead_influenced: LeadInfluenced,
+    /// Stretches behind one leader.
+    pub following: Vec<FollowingStretch>,
+    /// Stretches of cruising without a leader.
+    pub cruise: Vec<CruiseStretch>,
+}
+
+/// Phases left out because of a leader.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LeadInfluenced {
+    /// Accelerations.
+    pub acceleration: usize,
+    /// Brakings.
+    pub braking: usize,
+}
+
+/// A segment of one kind as the function fits see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// Acceleration or braking.
+    pub kind: PhaseKind,
+    /// Mean speed and mean acceleration.
+    pub mean: AccelPoint,
+    /// Speed and acceleration of every sample.
+    pub samples: Vec<AccelPoint>,
 }
 
 impl Trip {
@@ -60,50 +93,75 @@ impl Trip {
         let mut trip = Self {
             name: drive.name.clone(),
             phases: Vec::new(),
-            segment_means: Vec::new(),
-            lead_influenced_phases: 0,
+            segments: Vec::new(),
+            lead_influenced: LeadInfluenced::default(),
+            following: Vec::new(),
+            cruise: Vec::new(),
         };
         for log in &drive.pieces {
+            trip.cruise.extend(cruise_stretches(log, &settings.cruise));
+            trip.following
+                .extend(following_stretches(log, &settings.following));
             trip.add_curves(log, settings)?;
-            trip.add_segment_means(log, settings)?;
+            trip.add_segments(log, settings)?;
         }
         Ok(trip)
+    }
+
+    /// The phases of one kind.
+    pub fn phases_of(&self, kind: PhaseKind) -> impl Iterator<Item = &PhaseCurve> {
+        self.phases.iter().filter(move |curve| curve.kind() == kind)
+    }
+
+    /// The segments of one kind.
+    pub fn segments_of(&self, kind: PhaseKind) -> impl Iterator<Item = &Segment> {
+        self.segments.iter().filter(move |s| s.kind == kind)
     }
 
     fn add_curves(&mut self, log: &DriveLog, settings: &PhaseSettings) -> Result<(), Error> {
         let slope_rad = slope_rad(log, settings.slope_bandwidth_m)?;
         for phase in settings.heuristic.segment(log)?.phases {
-            if phase.kind != PhaseKind::Acceleration {
-                continue;
-            }
             let Some(curve) = PhaseCurve::cut(log, slope_rad.as_deref(), &phase) else {
                 continue;
             };
             let outline = curve.outline();
-            if outline.duration_s() < settings.min_duration_s
-                || outline.gain_mps() < settings.min_gain_mps
+            if phase.kind != curve.kind()
+                || outline.duration_s() < settings.min_duration_s
+                || outline.gain_mps().abs() < settings.min_gain_mps
             {
                 continue;
             }
-            if phase.lead_influenced {
-                self.lead_influenced_phases += 1;
-            } else {
-                self.phases.push(curve);
+            match (phase.lead_influenced, phase.kind) {
+                (false, _) => self.phases.push(curve),
+                (true, PhaseKind::Braking) => self.lead_influenced.braking += 1,
+                (true, _) => self.lead_influenced.acceleration += 1,
             }
         }
         Ok(())
     }
 
-    fn add_segment_means(&mut self, log: &DriveLog, settings: &PhaseSettings) -> Result<(), Error> {
+    fn add_segments(&mut self, log: &DriveLog, settings: &PhaseSettings) -> Result<(), Error> {
         let segmented = settings.statistical.segment(log)?;
-        self.segment_means.extend(
-            segmented
-                .means(log)
-                .filter(|(phase, ..)| {
-                    phase.kind == PhaseKind::Acceleration && !phase.lead_influenced
-                })
-                .map(|(_, speed_mps, accel_mps2)| (speed_mps, accel_mps2)),
-        );
+        let (speed_mps, accel_mps2) = (log.speed_mps(), log.accel_mps2());
+        for (phase, mean_speed_mps, mean_accel_mps2) in segmented.means(log) {
+            let sign = match phase.kind {
+                PhaseKind::Acceleration => 1.0,
+                PhaseKind::Braking => -1.0,
+                PhaseKind::Cruise | PhaseKind::Other => continue,
+            };
+            if phase.lead_influenced {
+                continue;
+            }
+            let range = phase.start..phase.end;
+            let samples = speed_mps[range.clone()].iter().zip(&accel_mps2[range]);
+            self.segments.push(Segment {
+                kind: phase.kind,
+                mean: AccelPoint::new(mean_speed_mps, sign * mean_accel_mps2),
+                samples: samples
+                    .map(|(&v, &a)| AccelPoint::new(v, sign * a))
+                    .collect(),
+            });
+        }
         Ok(())
     }
 }

@@ -59,6 +59,8 @@ function quantile(sorted, share) {
   return sorted[below] + (position - below) * (sorted[above] - sorted[below]);
 }
 
+const medianOf = (values) => (values.length > 0 ? quantile(Float64Array.from(values).sort(), 0.5) : NaN);
+
 function build(node, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
   node.append(...children);

@@ -78,7 +78,7 @@ function summaryTable(report) {
     const cells = FIGURES.map(({ shown }) => el('td', {}, shown(stage(report, key))));
     return el('tr', {}, el('th', { scope: 'row' }, name), ...cells);
   };
-  const head = el('tr', {}, heading('', 'corner'), ...FIGURES.map(column));
+  const head = el('tr', {}, heading('Parameters', 'text corner'), ...FIGURES.map(column));
   return tableBox('Before and after', [head], [el('tbody', {}, ...STAGES.map(row))]);
 }
 

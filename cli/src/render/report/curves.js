@@ -5,8 +5,8 @@ const REACH_PX = 24;
 const SETTLE_MS = 120;
 
 /** State shared by all panels: one view, so that models compare at the same place, and one highlighted phase. */
-function newChart(report) {
-  return { report, panels: [], full: null, view: null, highlighted: -1, palette: null, frame: 0, settling: 0 };
+function newChart(report, body) {
+  return { report, body, panels: [], full: null, view: null, highlighted: -1, palette: null, frame: 0, settling: 0 };
 }
 
 /** Time from 0 to the longest phase; speed up to the measured maximum, and a quarter more where a prediction goes beyond. */
@@ -387,8 +387,7 @@ function zoomButtons(chart) {
 
 /** Builds the panels of the chosen models; the view stays where it is when models come and go. */
 function buildPanels(chart, shown) {
-  const { report } = chart;
-  const body = byId('curves-body');
+  const { report, body } = chart;
   if (report.phases.length === 0) return body.replaceChildren(note('The document has no phases.'));
   chart.highlighted = -1;
   chart.panels = report.models.filter((model) => shown.has(model.name)).map((model) => newPanel(model, chart));

@@ -3,20 +3,73 @@
 const SCHEMA = 'drivekit/evaluate/1';
 const SCHEMA_KEYS = ['schema', 'version', 'config', 'inputs', 'models', 'baselines', 'folds', 'phases'];
 const SHOWN_AT_FIRST = ['inverse', 'rise-time', 'profile'];
-const SERIES_COLOURS = 6;
+const SERIES_COLOURS = 8;
 
 const kilojoules = (energyJ) => number(energyJ) / 1000;
 
 function readReport(source) {
   const doc = object(source);
-  const models = [...readSummaries(doc.models, false), ...readSummaries(doc.baselines, true)];
+  const report = { ...readFrame(doc, SCHEMA_KEYS), ...readEvaluation(doc) };
+  return {
+    ...report,
+    unit: ['trip', 'file', 'driver'].find((unit) => unit === doc.hold_out) ?? 'trip',
+    braking: readBraking(doc.braking, report),
+    fits: object(doc.function_fits),
+    systems: object(doc.system_identification),
+    cruise: object(doc.cruise),
+    following: object(doc.following),
+    learning: object(doc.learning_curve),
+  };
+}
+
+/** What acceleration and braking both have. */
+function readEvaluation(source) {
+  const models = [...readSummaries(source.models, false), ...readSummaries(source.baselines, true)];
   assignColours(models);
   return {
-    ...readFrame(doc, SCHEMA_KEYS),
     models,
-    phases: list(doc.phases).map(readPhase),
-    folds: list(doc.folds).map(object),
+    phases: list(source.phases).map(readPhase),
+    folds: list(source.folds).map(object),
+    paired: list(source.paired).map(readPair).filter((pair) => Number.isFinite(pair.difference)),
+    bands: readBands(source.bands),
   };
+}
+
+/** A model has the colour here that it has in acceleration. */
+function readBraking(source, acceleration) {
+  const braking = readEvaluation(object(source));
+  for (const model of braking.models) {
+    const same = acceleration.models.find(({ name }) => name === model.name);
+    if (same) model.colour = same.colour;
+  }
+  return braking;
+}
+
+function readPair(source) {
+  const raw = object(source);
+  return {
+    model: text(raw.model),
+    against: text(raw.against),
+    units: number(raw.units),
+    phases: number(raw.phases),
+    difference: kmh(raw.difference_rmse_mps),
+    low: kmh(raw.low_mps),
+    high: kmh(raw.high_mps),
+    better: number(raw.better_units),
+    verdict: text(raw.verdict),
+  };
+}
+
+function readBands(source) {
+  const level = (raw) => ({
+    level: number(raw.level_pct),
+    inside: number(raw.inside_pct),
+    width: kmh(raw.mean_width_mps),
+    groups: object(raw.groups),
+  });
+  return Object.entries(object(source))
+    .map(([name, levels]) => ({ name, levels: list(levels).map(object).map(level).filter((one) => Number.isFinite(one.level + one.inside)) }))
+    .filter(({ levels }) => levels.length > 0);
 }
 
 /** The models shown at first get the clearest colours; the baselines share one of their own. */
@@ -68,6 +121,21 @@ function predictedCurve(phase, name) {
     phase.predicted.set(name, curve);
   }
   return curve;
+}
+
+/** The phases of which a model has a prediction, by their places. */
+function predictedPhases(report, name) {
+  const has = (phase) => phase.measured.length > 1 && phase.stepS > 0 && list(prediction(phase, name).speed_mps).length > 1;
+  return report.phases.map((phase, index) => (has(phase) ? index : -1)).filter((index) => index >= 0);
+}
+
+const colourOf = (report, name) => report.models.find((model) => model.name === name)?.colour ?? '--series-0';
+const namesOf = (report) => report.models.map((model) => model.name);
+
+/** Names in the order of the table of models, unknown ones last. */
+function inTableOrder(report, names) {
+  const known = namesOf(report).filter((name) => names.includes(name));
+  return [...known, ...[...new Set(names)].filter((name) => !known.includes(name))];
 }
 
 function defaultSelection(report) {

@@ -143,7 +143,7 @@ function vehicleTable(totals) {
     const nodes = [fixed(base, digits), ...cells].map((cell) => el('td', {}, cell));
     return el('tr', {}, el('th', { scope: 'row' }, label), ...nodes);
   };
-  const head = el('tr', {}, heading('', 'corner'), ...names);
+  const head = el('tr', {}, heading('Measure', 'text corner'), ...names);
   return tableBox('Vehicles compared', [head], [el('tbody', {}, ...MEASURES.map(row))]);
 }
 

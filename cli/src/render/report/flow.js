@@ -74,7 +74,7 @@ function flowTable(entry) {
     ['Wheels to motor', braking.energyJ],
     ['Regenerated', returned.energyJ],
   ];
-  const head = [heading('', 'corner'), ...UNITS.map((unit) => heading(unit.label)), heading('Share, %')];
+  const head = [heading('Energy', 'text corner'), ...UNITS.map((unit) => heading(unit.label)), heading('Share, %')];
   return tableBox('Energy flow', [el('tr', {}, ...head)], [
     group('Came in', withSum(cameIn)),
     group('Was used', withSum(wasUsed)),

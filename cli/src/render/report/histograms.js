@@ -95,8 +95,11 @@ function histogramBars(row, bins, tally, x, y, spec) {
 function histogramRow(row, spec, bins, tally, x, top, most, width) {
   const base = top + ROW.title + ROW.bars;
   const y = linear(0, most, base, top + ROW.title);
-  const average = mean(row.values);
-  const summary = row.values.length > 0 ? `mean ${quantity(average, spec.digits, spec.unit)}` : 'no values';
+  const centres = [{ kind: 'mean', at: mean(row.values) }];
+  if (spec.median) centres.push({ kind: 'median', at: medianOf(row.values) });
+  const named = centres.map(({ kind, at }) => `${kind} ${fixed(at, spec.digits)}`).join(', ');
+  const roomy = centres.length === 1 || width >= 420;
+  const summary = row.values.length > 0 ? `${named}${roomy ? `\u00a0${spec.unit}` : ''}` : 'no values';
   const parts = [
     svg('text', { class: 'name', x: MARGIN.left, y: top + 12 }, row.name),
     svg('text', { x: width - MARGIN.right, y: top + 12, 'text-anchor': 'end' }, summary),
@@ -105,8 +108,10 @@ function histogramRow(row, spec, bins, tally, x, top, most, width) {
     ...histogramBars(row, bins, tally, x, y, spec),
     svg('line', { class: 'axis', x1: MARGIN.left, x2: width - MARGIN.right, y1: base, y2: base }),
   ];
-  const inside = average >= bins.low && average <= bins.low + bins.count * bins.width;
-  if (inside) parts.push(svg('line', { class: 'mean', x1: x(average), x2: x(average), y1: base, y2: top + ROW.title - 3 }));
+  for (const { kind, at } of centres) {
+    const inside = at >= bins.low && at <= bins.low + bins.count * bins.width;
+    if (inside) parts.push(svg('line', { class: kind, x1: x(at), x2: x(at), y1: base, y2: top + ROW.title - 3 }));
+  }
   return svg('g', {}, ...parts);
 }
 
@@ -119,14 +124,15 @@ function histogram(spec, rows, bins, tallies, width) {
   const bottom = rows.length * pitch - ROW.gap;
   const height = bottom + MARGIN.bottom;
   const marks = ticks(bins.low, high, Math.max(3, Math.floor(width / 55)));
-  const means = rows.map((row) => `${row.name}: mean ${quantity(mean(row.values), spec.digits, spec.unit)}`);
+  const middle = (values) => (spec.median ? `, median ${quantity(medianOf(values), spec.digits, spec.unit)}` : '');
+  const means = rows.map((row) => `${row.name}: mean ${quantity(mean(row.values), spec.digits, spec.unit)}${middle(row.values)}`);
   const label = `${spec.title}, histograms over phases. ${means.join('; ')}.`;
   const gridLine = ({ value }) => {
     const kind = spec.zero && value === 0 ? 'zero' : 'grid';
     return svg('line', { class: kind, x1: x(value), x2: x(value), y1: ROW.title, y2: bottom });
   };
   const axisText = (position, below, content) =>
-    svg('text', { x: position, y: bottom + below, 'text-anchor': 'middle' }, content);
+    svg('text', { ...labelPlace(position, width), y: bottom + below }, content);
   return svg(
     'svg',
     { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'aria-label': label },
@@ -155,5 +161,6 @@ function histogramCaption(spec, rows, bins, tallies) {
   const beyond = counts.map(({ name, count }) => `${name} ${fixed(count, 0)}`);
   const width = quantity(bins.width, stepDigits(bins.width), spec.unit);
   const left = beyond.length > 0 ? ` Phases beyond the axis: ${beyond.join(', ')}.` : '';
-  return `${spec.caption} Bins of ${width}; heights are counts of phases; the vertical line is the mean.${left}`;
+  const lines = `the vertical line is the mean${spec.median ? ', the dashed one the median' : ''}`;
+  return `${spec.caption} Bins of ${width}; heights are counts of phases; ${lines}.${left}`;
 }

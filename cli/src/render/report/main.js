@@ -32,8 +32,8 @@ function verdict(best, baseline) {
   return `The best model, ${best.name}, has a mean RMSE of ${rmse(best)}, with ${share}${comparison}.`;
 }
 
-function picker(report, shown, onChange) {
-  byId('picker').append(
+function picker(node, report, shown, onChange) {
+  node.append(
     ...report.models.map((model) => {
       const input = el('input', { type: 'checkbox', ...(shown.has(model.name) ? { checked: '' } : {}) });
       input.addEventListener('change', () => {
@@ -44,23 +44,31 @@ function picker(report, shown, onChange) {
       return el('label', { class: 'chip' }, input, swatch(model.colour), model.name);
     }),
   );
-  byId('picker').hidden = report.models.length === 0;
+  node.hidden = report.models.length === 0;
 }
+
+/** Sections that fill themselves and give what draws them anew. */
+const SECTIONS = [
+  ...[comparisonSection, bandPhase, bandReliability, fitSection, systemSection],
+  ...[brakingSection, cruiseSection, followingSection, learningSection],
+];
 
 function main() {
   const report = readReport(parseDocument());
   const shown = defaultSelection(report);
-  const chart = newChart(report);
+  const chart = newChart(report, byId('curves-body'));
   headline(report);
+  document.querySelectorAll('.unit').forEach((node) => node.replaceChildren(report.unit));
   problems(report, SCHEMA);
   byId('models-body').append(
     report.models.length > 0 ? summaryTable(report) : note('The document has no models and no baselines.'),
   );
+  const sections = SECTIONS.map((section) => section(report));
   const redraw = () => {
     HISTOGRAMS.forEach((spec) => drawHistogram(spec, report, shown));
     drawPanels(chart);
   };
-  picker(report, shown, () => {
+  picker(byId('picker'), report, shown, () => {
     buildPanels(chart, shown);
     redraw();
   });
@@ -69,7 +77,10 @@ function main() {
   byId('findings-body').append(...findings(report));
   byId('provenance-body').append(configuration(report), inputs(report));
   buildPanels(chart, shown);
-  keepDrawn(redraw);
+  keepDrawn(() => {
+    redraw();
+    sections.forEach((draw) => draw());
+  });
 }
 
 main();

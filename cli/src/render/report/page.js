@@ -23,13 +23,14 @@ function radios(legend, name, choices, onPick) {
   return el('fieldset', {}, el('legend', {}, legend), ...chips);
 }
 
-/** A list to choose one from, the first at first; `groups` are names with their choices, which have a `label` each. */
-function picklist(label, groups, onPick) {
+/** A list to choose one from, `chosen` or the first at first; `groups` are names with their choices, which have a `label` each. */
+function picklist(label, groups, onPick, chosen = null) {
   const choices = groups.flatMap(([, members]) => members);
   const option = (choice) => el('option', { value: choices.indexOf(choice) }, choice.label);
   const filled = groups.filter(([, members]) => members.length > 0);
   const nodes = filled.map(([name, members]) => el('optgroup', { label: name }, ...members.map(option)));
   const select = el('select', { autocomplete: 'off' }, ...nodes);
+  if (choices.includes(chosen)) select.value = choices.indexOf(chosen);
   select.addEventListener('change', () => onPick(choices[select.value]));
   return el('label', { class: 'picklist' }, el('span', {}, label), select);
 }

@@ -66,7 +66,7 @@ function parameterTable(parameters) {
   const numbers = ['Start', 'Value', 'Change, %', 'Std. error', '95 % interval'].map((label) => heading(label));
   const head = [heading('Parameter', 'text corner'), ...numbers, heading('Within its bounds', 'text drawn'), heading('Bounds')];
   const body = el('tbody', {}, ...parameters.map(parameterRow));
-  return tableBox('Parameters', [el('tr', {}, ...head, heading('', 'text'), heading('Remark', 'text'))], [body]);
+  return tableBox('Parameters', [el('tr', {}, ...head, heading('Verdict', 'text'), heading('Remark', 'text'))], [body]);
 }
 
 function parameterSection({ parameters }) {

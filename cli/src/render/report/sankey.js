@@ -12,7 +12,7 @@ function flowFrame(flow, width) {
     narrow,
     right,
     slot: (narrow ? 3 : 2) * FLOW.line + 4,
-    columns: { battery: 0, drive: right * (narrow ? 0.46 : 0.38), wheels: right * (narrow ? 0.84 : 0.76) },
+    columns: { battery: 0, drive: right * (narrow ? 0.48 : 0.38), wheels: right * (narrow ? 0.84 : 0.76) },
     perJoule: FLOW.largest / (Math.max(flow.totalJ, ...links) || 1),
   };
 }
@@ -97,7 +97,7 @@ function bandLabel(band, lines, frame) {
   const middle = band.y1 + band.height / 2 - tall / 2;
   const under = band.y1 + band.height + 3;
   const top = band.inner && !holdsLabel(band, frame) ? under : middle;
-  const [x, anchor] = band.inner ? [band.x1 - 6, 'end'] : [band.x1 + 6, 'start'];
+  const [x, anchor] = band.inner ? [band.x1 - (frame.narrow ? 3 : 6), 'end'] : [band.x1 + 6, 'start'];
   return lines.map((line, index) =>
     svg('text', { class: index === 0 ? 'name' : 'amount', x, y: top + (index + 0.8) * FLOW.line, 'text-anchor': anchor }, line),
   );

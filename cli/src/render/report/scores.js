@@ -47,7 +47,7 @@ function summaryRow(model, columns) {
   return el('tr', {}, name, knows, ...cells);
 }
 
-function summaryTable(report) {
+function summaryTable(report, label = 'Models and baselines') {
   const columns = SUMMARY_COLUMNS.map((column) => ({
     ...column,
     best: bestCost(
@@ -74,7 +74,7 @@ function summaryTable(report) {
   sortBy(columns[1]);
   const head = el('tr', {}, heading('Model', 'text corner'), heading('Knows', 'text'), ...headings);
   const filled = bodies.filter((body) => body.rows.length > 0).map((body) => body.node);
-  return tableBox('Models and baselines', [head], filled);
+  return tableBox(label, [head], filled);
 }
 
 /** A table of one metric, with a row per group or trip and a column per model; `score(row, model)` finds the summary. */
@@ -124,10 +124,10 @@ function tripResults(report) {
   const scores = new Map(report.folds.map((fold) => [`${text(fold.held_out)}\n${text(fold.model)}`, fold]));
   const score = (trip, model) => object(scores.get(`${trip}\n${model.name}`));
   const models = report.models.filter((model) => trips.some((trip) => scores.has(`${trip}\n${model.name}`)));
-  return [...scoreTables('trips', 'Held-out trip', trips, models, score), foldDetails(report.folds)];
+  return [...scoreTables('trips', `Held-out ${report.unit}`, trips, models, score), foldDetails(report)];
 }
 
-function foldDetails(folds) {
+function foldDetails({ folds, unit }) {
   const noteworthy = folds.filter((fold) => list(fold.notes).length > 0 || Object.keys(object(fold.parameters)).length > 0);
   if (noteworthy.length === 0) return note('No fitted parameters or notes were recorded.');
   const notes = folds.reduce((sum, fold) => sum + list(fold.notes).length, 0);
@@ -136,7 +136,7 @@ function foldDetails(folds) {
     const remarks = list(fold.notes).map(text).join('; ');
     return [text(fold.held_out), text(fold.model), el('code', {}, parameters(fold.parameters)), remarks];
   };
-  const headings = ['Held-out trip', 'Model', 'Parameters', 'Notes'];
+  const headings = [`Held-out ${unit}`, 'Model', 'Parameters', 'Notes'];
   return collapsible(title, plural(notes, 'note'), () => textTable(title, headings, noteworthy.map(row)));
 }
 

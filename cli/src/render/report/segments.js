@@ -47,7 +47,7 @@ function readFigures(source) {
 // ---------------------------------------------------------------- Table 3.5
 
 function comparisonTable(report) {
-  const first = [heading('', 'corner'), ...METHODS.map((name) => el('th', { scope: 'colgroup', colspan: FIGURES.length }, name))];
+  const first = [el('td'), ...METHODS.map((name) => el('th', { scope: 'colgroup', colspan: FIGURES.length }, name))];
   const second = METHODS.flatMap(() => FIGURES.map(({ label, unit }) => el('th', { scope: 'col' }, label, el('small', {}, unit))));
   const row = (name, methods) => {
     const cells = METHODS.flatMap((method) => {

@@ -2,7 +2,7 @@
 
 /** A table in a box of its own that scrolls, also by keyboard, where the table is too wide, or too tall to read past. */
 function tableBox(label, head, bodies, tall = false) {
-  const table = el('table', {}, el('thead', {}, ...head), ...bodies);
+  const table = el('table', { 'aria-label': label }, el('thead', {}, ...head), ...bodies);
   return el('div', { class: tall ? 'scroll tall' : 'scroll', tabindex: '0', role: 'region', 'aria-label': label }, table);
 }
 

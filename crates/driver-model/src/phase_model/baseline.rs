@@ -1,12 +1,12 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, PhaseOutline};
+use crate::{Error, PhaseCurve, TrainingSet};
 
-/// The driver's mean acceleration, whatever the speed. Knows `v0` and `T`, like the function fits.
+/// The driver's mean acceleration or deceleration, whatever the speed. Knows `v0` and `T`, like the function fits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constant {
-    /// Mean over phases of `(v_end − v0)/T`, in m/s².
+    /// Mean over phases of `|v_end − v0|/T`, in m/s².
     pub accel_mps2: f64,
 }
 
@@ -15,11 +15,14 @@ impl Constant {
     ///
     /// # Errors
     /// [`Error::TooFewPhases`] without a phase.
-    pub fn fit(phases: &[PhaseOutline]) -> Result<Self, Error> {
-        super::need_phases("constant", phases)?;
-        let sum: f64 = phases.iter().map(|p| p.gain_mps() / p.duration_s()).sum();
+    pub fn fit(training: &TrainingSet<'_>) -> Result<Self, Error> {
+        super::need_phases("constant", &training.phases)?;
+        let accel = |curve: &PhaseCurve| {
+            let outline = curve.outline();
+            outline.gain_mps().abs() / outline.duration_s()
+        };
         Ok(Self {
-            accel_mps2: sum / phases.len() as f64,
+            accel_mps2: training.mean(accel).unwrap_or(f64::NAN),
         })
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::least_squares::Curve;
-use crate::{Error, ModelKind};
+use crate::{AccelPoint, Error, ModelKind};
 
 /// `a(v) = p0·e^(−p1 v) + p2` (thesis 3.2; the printed form has `p0 = 1`, which fixes the amplitude at 1 m/s²).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -37,50 +37,60 @@ const WITH_AMPLITUDE: Curve<3> = Curve {
 };
 
 impl Exponential {
-    /// Fits the printed form, `p0 = 1`, `0 ≤ p1 ≤ 2`, `−1 ≤ p2 ≤ 5`, to `(mean speed, mean acceleration)` of segments.
+    /// Fits the printed form, `p0 = 1`, `0 ≤ p1 ≤ 2`, `−1 ≤ p2 ≤ 5`, to points of acceleration over speed.
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] below two segments, [`Error::Fit`] when the optimiser fails.
-    pub fn fit_printed(segment_means: &[(f64, f64)]) -> Result<Self, Error> {
-        super::need_segments(PRINTED.model, segment_means, 2)?;
-        let [p1, p2] = PRINTED.fit(segment_means)?.parameters;
+    /// [`Error::TooFewPhases`] below two points, [`Error::Fit`] when the optimiser fails.
+    pub fn fit_printed(points: &[AccelPoint]) -> Result<Self, Error> {
+        super::need_points(PRINTED.model, points, 2)?;
+        let [p1, p2] = PRINTED.fit(points)?.parameters;
         Ok(Self { p0: 1.0, p1, p2 })
     }
 
     /// Fits all three parameters, `0 ≤ p0 ≤ 10` and the others as in [`Self::fit_printed`].
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] below three segments, [`Error::Fit`] when the optimiser fails.
-    pub fn fit_with_amplitude(segment_means: &[(f64, f64)]) -> Result<Self, Error> {
-        super::need_segments(WITH_AMPLITUDE.model, segment_means, 3)?;
-        let [p0, p1, p2] = WITH_AMPLITUDE.fit(segment_means)?.parameters;
+    /// [`Error::TooFewPhases`] below three points, [`Error::Fit`] when the optimiser fails.
+    pub fn fit_with_amplitude(points: &[AccelPoint]) -> Result<Self, Error> {
+        super::need_points(WITH_AMPLITUDE.model, points, 3)?;
+        let [p0, p1, p2] = WITH_AMPLITUDE.fit(points)?.parameters;
         Ok(Self { p0, p1, p2 })
     }
 
-    /// Sum of squared residuals in (m/s²)² over segment means, the entry of Table 3.6.
+    /// Sum of squared residuals in (m/s²)², the entry of Table 3.6; weights are not applied.
     #[must_use]
-    pub fn residual_sum_of_squares(&self, segment_means: &[(f64, f64)]) -> f64 {
-        segment_means
+    pub fn residual_sum_of_squares(&self, points: &[AccelPoint]) -> f64 {
+        let Self { p0, p1, p2 } = *self;
+        points
             .iter()
-            .map(|&(v, a)| (self.p0 * (-self.p1 * v).exp() + self.p2 - a).powi(2))
+            .map(|p| (p0 * (-p1 * p.speed_mps).exp() + p2 - p.accel_mps2).powi(2))
             .sum()
     }
 
-    /// Speed in m/s at `t_s` seconds after the phase began at `start_speed_mps`.
+    /// Speed in m/s at `t_s` seconds after the phase began at `start_speed_mps`; braking is acceleration in reversed time,
+    /// `t_s` below 0.
     ///
     /// With `x = p1 p2 t` the solution of `v̇ = a(v)` is
-    /// `v = v0 + p2 t + ln(1 + eᵈ)/p1`, `d = ln(p0 p1 t (1 − e^(−x))/x) − p1 v0`, which is the closed form of the thesis
-    /// without its singularity at `p2 = 0`, and neither overflows nor cancels.
+    /// `v = v0 + p2 t + ln(1 + p0 p1 t e^(−p1 v0) (1 − e^(−x))/x)/p1`, which is the closed form of the thesis
+    /// without its singularity at `p2 = 0`, and neither overflows nor cancels. In reversed time the logarithm ends where the
+    /// speed has fallen without bound: 0.
     #[must_use]
     pub fn speed_mps(&self, start_speed_mps: f64, t_s: f64) -> f64 {
         let Self { p0, p1, p2 } = *self;
-        if p1 * t_s < 1e-12 {
+        if p1 * t_s.abs() < 1e-12 {
             return start_speed_mps + (p0 * (-p1 * start_speed_mps).exp() + p2) * t_s;
         }
         let x = p1 * p2 * t_s;
-        let d = (p0 * p1 * t_s).ln() + ln_mean_decay(x) - p1 * start_speed_mps;
-        let softplus = d.max(0.0) + (-d.abs()).exp().ln_1p();
-        start_speed_mps + p2 * t_s + softplus / p1
+        let d = (p0 * p1 * t_s.abs()).ln() + ln_mean_decay(x) - p1 * start_speed_mps;
+        if t_s > 0.0 {
+            let softplus = d.max(0.0) + (-d.abs()).exp().ln_1p();
+            return start_speed_mps + p2 * t_s + softplus / p1;
+        }
+        let left = -d.exp();
+        if left <= -1.0 {
+            return 0.0;
+        }
+        start_speed_mps + p2 * t_s + left.ln_1p() / p1
     }
 
     pub(crate) fn check(&self, kind: ModelKind) -> Result<(), Error> {

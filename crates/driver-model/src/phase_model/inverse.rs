@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
 use crate::least_squares::Curve;
+use crate::{AccelPoint, Error};
 
 /// `a(v) = 1/(p1 v + p2)` (thesis 3.29).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,27 +26,27 @@ const CURVE: Curve<2> = Curve {
 };
 
 impl Inverse {
-    /// Fits to `(mean speed in m/s, mean acceleration in m/s²)` of segments, `0 ≤ p1 ≤ 1`, `0.05 ≤ p2 ≤ 20`.
+    /// Fits to points of acceleration over speed, `0 ≤ p1 ≤ 1`, `0.05 ≤ p2 ≤ 20`.
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] below two segments, [`Error::Fit`] when the optimiser fails.
-    pub fn fit(segment_means: &[(f64, f64)]) -> Result<Self, Error> {
-        super::need_segments("inverse", segment_means, 2)?;
-        let [p1, p2] = CURVE.fit(segment_means)?.parameters;
+    /// [`Error::TooFewPhases`] below two points, [`Error::Fit`] when the optimiser fails.
+    pub fn fit(points: &[AccelPoint]) -> Result<Self, Error> {
+        super::need_points("inverse", points, 2)?;
+        let [p1, p2] = CURVE.fit(points)?.parameters;
         Ok(Self { p1, p2 })
     }
 
-    /// Sum of squared residuals in (m/s²)² over segment means, the entry of Table 3.6.
+    /// Sum of squared residuals in (m/s²)², the entry of Table 3.6; weights are not applied.
     #[must_use]
-    pub fn residual_sum_of_squares(&self, segment_means: &[(f64, f64)]) -> f64 {
-        segment_means
+    pub fn residual_sum_of_squares(&self, points: &[AccelPoint]) -> f64 {
+        points
             .iter()
-            .map(|&(v, a)| (1.0 / (self.p1 * v + self.p2) - a).powi(2))
+            .map(|p| (1.0 / (self.p1 * p.speed_mps + self.p2) - p.accel_mps2).powi(2))
             .sum()
     }
 
     /// Speed in m/s at `t_s` seconds after the phase began at `start_speed_mps` (thesis 3.31, corrected: the root
-    /// that holds while braking too and as `p1 → 0`).
+    /// that holds while braking too and as `p1 → 0`). Braking is acceleration in reversed time, `t_s` below 0.
     #[must_use]
     pub fn speed_mps(&self, start_speed_mps: f64, t_s: f64) -> f64 {
         let d = self.p1 * start_speed_mps + self.p2;

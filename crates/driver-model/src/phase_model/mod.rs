@@ -4,30 +4,34 @@
 //! `t = 0, Δt, 2Δt, …`? [`crate::PhaseOutline`] holds what may be known, and each type here takes only its share of it.
 
 mod baseline;
+mod conditioned;
 mod exponential;
 mod inverse;
+mod kernel_ridge;
 mod profile;
 mod rise_time;
+mod step_response;
+mod transition_point;
 
 pub use baseline::{Constant, smoothstep, straight};
+pub use conditioned::{BandLevel, ConditionedProfile, Conditioning, PredictiveBand};
 pub use exponential::Exponential;
 pub use inverse::Inverse;
+pub use kernel_ridge::GaussianBasis;
 pub use profile::Profile;
 pub use rise_time::{GroupConstant, RiseTime, SpeedGroup};
+pub use step_response::{StepCharacteristics, StepResponse};
+pub use transition_point::{GroupResponse, TransitionPoint, identify};
 
-use crate::Error;
+use crate::{AccelPoint, Error};
 
-fn need_segments(
-    model: &'static str,
-    segment_means: &[(f64, f64)],
-    needed: usize,
-) -> Result<(), Error> {
-    if segment_means.len() < needed {
+fn need_points(model: &'static str, points: &[AccelPoint], needed: usize) -> Result<(), Error> {
+    if points.len() < needed {
         return Err(Error::TooFewPhases {
             model,
-            found: segment_means.len(),
+            found: points.len(),
             needed,
-            unit: "acceleration segments without a leader",
+            unit: "segments of its kind without a leader",
         });
     }
     Ok(())
@@ -39,7 +43,7 @@ fn need_phases<T>(model: &'static str, phases: &[T]) -> Result<(), Error> {
             model,
             found: 0,
             needed: 1,
-            unit: "acceleration phases without a leader",
+            unit: "phases of its kind without a leader",
         });
     }
     Ok(())

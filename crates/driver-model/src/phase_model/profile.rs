@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, PhaseCurve};
+use crate::{Error, PhaseCurve, TrainingSet};
 
 /// The driver's mean normalised shape `(v − v0)/(v_end − v0)` over `t/T`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,24 +14,22 @@ pub struct Profile {
 const KNOTS: usize = 101;
 
 impl Profile {
-    /// Averages the normalised curves, every phase with the same weight.
+    /// Averages the normalised curves.
     ///
     /// # Errors
     /// [`Error::TooFewPhases`] without a phase.
-    pub fn fit(phases: &[&PhaseCurve]) -> Result<Self, Error> {
-        super::need_phases("profile", phases)?;
+    pub fn fit(training: &TrainingSet<'_>) -> Result<Self, Error> {
+        super::need_phases("profile", &training.phases)?;
         let mut shape = vec![0.0; KNOTS];
-        for phase in phases {
-            let speed = phase.speed_mps();
-            let (start, gain) = (speed[0], phase.outline().gain_mps());
-            let last = (speed.len() - 1) as f64;
-            for (knot, sum) in shape.iter_mut().enumerate() {
-                let position = knot as f64 / (KNOTS - 1) as f64 * last;
-                *sum += (at(speed, position) - start) / gain;
+        let mut weights = 0.0;
+        for phase in &training.phases {
+            for (sum, value) in shape.iter_mut().zip(normalised(phase.curve, KNOTS)) {
+                *sum += phase.weight * value;
             }
+            weights += phase.weight;
         }
         for value in &mut shape {
-            *value /= phases.len() as f64;
+            *value /= weights;
         }
         shape[0] = 0.0;
         shape[KNOTS - 1] = 1.0;
@@ -66,8 +64,16 @@ impl Profile {
     }
 }
 
+/// `(v − v0)/(v_end − v0)` of a measured phase at so many equal steps of `t/T`.
+pub(super) fn normalised(curve: &PhaseCurve, knots: usize) -> impl Iterator<Item = f64> {
+    let speed = curve.speed_mps();
+    let (start, gain) = (speed[0], curve.outline().gain_mps());
+    let scale = (speed.len() - 1) as f64 / (knots - 1) as f64;
+    (0..knots).map(move |knot| (at(speed, knot as f64 * scale) - start) / gain)
+}
+
 /// `values` at a fractional index in `0..=len − 1`, linear in between.
-fn at(values: &[f64], position: f64) -> f64 {
+pub(super) fn at(values: &[f64], position: f64) -> f64 {
     let left = (position.floor() as usize).min(values.len() - 1);
     let right = (left + 1).min(values.len() - 1);
     let share = position - left as f64;

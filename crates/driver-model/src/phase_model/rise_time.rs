@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, PhaseOutline};
+use crate::{Error, TrainingSet};
 
 /// Start and end speed of a phase, each in one of three bands: 0–50, 50–100 and from 100 km/h (Table 3.8).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -64,26 +64,32 @@ pub struct RiseTime {
 }
 
 impl RiseTime {
-    /// `t_r/T_c` of the thesis.
+    /// `t_r/T_c` of the thesis, at which the response reaches 95.96 %.
     pub const RISE_TIME_CONSTANTS: f64 = 5.0;
 
-    /// Mean time constant per group.
+    /// `t_r/T_c` at which it reaches 95 % exactly: the root of `(1 + x)e^(−x) = 0.05`.
+    pub const EXACT_RISE_TIME_CONSTANTS: f64 = 4.743_864_518_390_578;
+
+    /// Mean time constant per group, `T_c = t_r/time_constants` with [`RiseTime::RISE_TIME_CONSTANTS`] or
+    /// [`RiseTime::EXACT_RISE_TIME_CONSTANTS`].
     ///
     /// # Errors
     /// [`Error::TooFewPhases`] without a phase.
-    pub fn fit(phases: &[PhaseOutline]) -> Result<Self, Error> {
-        super::need_phases("rise-time", phases)?;
-        let mut sums = std::collections::BTreeMap::<SpeedGroup, (f64, usize)>::new();
-        for phase in phases {
-            let sum = sums.entry(phase.group()).or_default();
-            sum.0 += phase.duration_s() / Self::RISE_TIME_CONSTANTS;
-            sum.1 += 1;
+    pub fn fit(training: &TrainingSet<'_>, time_constants: f64) -> Result<Self, Error> {
+        super::need_phases("rise-time", &training.phases)?;
+        let mut sums = std::collections::BTreeMap::<SpeedGroup, (f64, f64, usize)>::new();
+        for phase in &training.phases {
+            let outline = phase.curve.outline().rising();
+            let sum = sums.entry(outline.group()).or_default();
+            sum.0 += phase.weight * outline.duration_s() / time_constants;
+            sum.1 += phase.weight;
+            sum.2 += 1;
         }
         let groups = sums
             .into_iter()
-            .map(|(group, (sum, phases))| GroupConstant {
+            .map(|(group, (sum, weight, phases))| GroupConstant {
                 group,
-                time_constant_s: sum / phases as f64,
+                time_constant_s: sum / weight,
                 phases,
             })
             .collect();
@@ -95,14 +101,9 @@ impl RiseTime {
     /// Nearest: fewest bands away in start and end speed together; among equals the one with most phases, then the lowest.
     #[must_use]
     pub fn constant_for(&self, group: SpeedGroup) -> (f64, bool) {
-        let nearest = self.groups.iter().min_by_key(|g| {
-            (
-                g.group.distance(group),
-                std::cmp::Reverse(g.phases),
-                g.group,
-            )
-        });
-        nearest.map_or((f64::NAN, false), |g| (g.time_constant_s, g.group == group))
+        let keys = self.groups.iter().map(|g| (g.group, g.phases));
+        let found = nearest(keys, group).and_then(|k| self.groups.get(k));
+        found.map_or((f64::NAN, false), |g| (g.time_constant_s, g.group == group))
     }
 
     /// Speed in m/s at `t_s` seconds of a phase from `start_speed_mps` towards `end_speed_mps`.
@@ -118,29 +119,50 @@ impl RiseTime {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let model = "rise-time";
-        super::parameter(
-            model,
-            "groups",
-            self.groups.len() as f64,
-            !self.groups.is_empty() && self.groups.len() <= 9,
-            "1 to 9 groups",
-        )?;
-        for g in &self.groups {
-            let SpeedGroup {
-                start_band,
-                end_band,
-            } = g.group;
-            let highest = f64::from(start_band.max(end_band));
-            super::parameter(model, "band", highest, highest <= 2.0, "0, 1 or 2")?;
+        check_groups("rise-time", self.groups.iter().map(|g| g.group))?;
+        self.groups.iter().try_for_each(|g| {
             super::parameter(
-                model,
+                "rise-time",
                 "time_constant_s",
                 g.time_constant_s,
                 g.time_constant_s > 0.0,
                 "finite and above 0",
-            )?;
-        }
-        Ok(())
+            )
+        })
     }
+}
+
+/// Index of the group for a phase: fewest bands away, then most phases, then the lowest.
+pub(super) fn nearest(
+    groups: impl Iterator<Item = (SpeedGroup, usize)>,
+    group: SpeedGroup,
+) -> Option<usize> {
+    let by_distance = groups.enumerate().min_by_key(|&(_, (candidate, phases))| {
+        (
+            candidate.distance(group),
+            std::cmp::Reverse(phases),
+            candidate,
+        )
+    });
+    by_distance.map(|(index, _)| index)
+}
+
+/// One to nine groups within the three bands.
+pub(super) fn check_groups(
+    model: &'static str,
+    groups: impl ExactSizeIterator<Item = SpeedGroup>,
+) -> Result<(), Error> {
+    let count = groups.len();
+    super::parameter(
+        model,
+        "groups",
+        count as f64,
+        (1..=9).contains(&count),
+        "1 to 9 groups",
+    )?;
+    for group in groups {
+        let highest = f64::from(group.start_band.max(group.end_band));
+        super::parameter(model, "band", highest, highest <= 2.0, "0, 1 or 2")?;
+    }
+    Ok(())
 }

@@ -1,12 +1,11 @@
 use serde::Serialize;
 
 use super::check;
-use super::idm::Idm;
 use super::random::Random;
 use crate::phase_model::{
     Constant, Exponential, GroupConstant, Inverse, Profile, RiseTime, SpeedGroup,
 };
-use crate::{DriverModel, Error, ModelKind, PhaseOutline};
+use crate::{DriverModel, Error, Idm, ModelKind, PhaseOutline};
 
 /// A driver whose every habit is known.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,10 +64,30 @@ const HESITATION_SPREAD: f64 = 0.1;
 /// Acceleration phases end here at the latest, such as those of models that never reach the speed aimed at.
 const LONGEST_PHASE_S: f64 = 90.0;
 
+impl Default for SimulatedDriver {
+    /// Accelerates by `profile`.
+    fn default() -> Self {
+        Self::accelerating_by(DriverModel::Profile(press_hold_release()))
+    }
+}
+
 impl SimulatedDriver {
-    /// A driver who accelerates by a model of this kind, with parameters of an ordinary driver.
+    /// Models by which a simulated driver may accelerate: those whose few parameters say all.
+    pub const KINDS: [ModelKind; 8] = [
+        ModelKind::Inverse,
+        ModelKind::Exponential,
+        ModelKind::ExponentialAmplitude,
+        ModelKind::RiseTime,
+        ModelKind::Profile,
+        ModelKind::Constant,
+        ModelKind::Straight,
+        ModelKind::Smoothstep,
+    ];
+
+    /// A driver who accelerates by a model of this kind, with parameters of an ordinary driver; `None` for one that is not in
+    /// [`SimulatedDriver::KINDS`].
     #[must_use]
-    pub fn with(kind: ModelKind) -> Self {
+    pub fn with(kind: ModelKind) -> Option<Self> {
         let acceleration = match kind {
             ModelKind::Inverse => DriverModel::Inverse(Inverse { p1: 0.03, p2: 0.5 }),
             ModelKind::Exponential => DriverModel::Exponential(Exponential {
@@ -86,7 +105,15 @@ impl SimulatedDriver {
             ModelKind::Constant => DriverModel::Constant(Constant { accel_mps2: 1.2 }),
             ModelKind::Straight => DriverModel::Straight,
             ModelKind::Smoothstep => DriverModel::Smoothstep,
+            ModelKind::RiseTimeExact
+            | ModelKind::TransitionPoint
+            | ModelKind::ProfileConditioned
+            | ModelKind::ProfileOnset => return None,
         };
+        Some(Self::accelerating_by(acceleration))
+    }
+
+    fn accelerating_by(acceleration: DriverModel) -> Self {
         Self {
             acceleration,
             acceleration_pace: Pace {
@@ -126,16 +153,22 @@ impl SimulatedDriver {
                 end_speed_mps: target_mps,
                 step_s,
                 samples: steps as usize + 1,
+                onset: None,
             })
         };
         // A brisk phase is the same curve on a faster clock.
         let hurried_s = step_s * habit.pace;
         let curve = match &self.acceleration {
-            DriverModel::Profile(_) | DriverModel::Straight | DriverModel::Smoothstep => predict(
+            DriverModel::Profile(_)
+            | DriverModel::ProfileConditioned(_)
+            | DriverModel::ProfileOnset(_)
+            | DriverModel::TransitionPoint(_)
+            | DriverModel::Straight
+            | DriverModel::Smoothstep => predict(
                 hurried_s,
                 self.acceleration_pace.duration_s(start_mps, target_mps),
             ),
-            DriverModel::RiseTime(m) => {
+            DriverModel::RiseTime(m) | DriverModel::RiseTimeExact(m) => {
                 let (constant_s, _) = m.constant_for(SpeedGroup::of(start_mps, target_mps));
                 predict(hurried_s, RiseTime::RISE_TIME_CONSTANTS * constant_s)
             }
@@ -196,8 +229,35 @@ impl SimulatedDriver {
             1.0..=60.0,
             "1 to 60",
         )?;
-        self.following.check()
+        check_following(&self.following)
     }
+}
+
+fn check_following(idm: &Idm) -> Result<(), Error> {
+    check(
+        "idm.max_accel_mps2",
+        idm.max_accel_mps2,
+        0.3..=5.0,
+        "0.3 to 5",
+    )?;
+    check(
+        "idm.comfortable_decel_mps2",
+        idm.comfortable_decel_mps2,
+        0.3..=5.0,
+        "0.3 to 5",
+    )?;
+    check(
+        "idm.time_headway_s",
+        idm.time_headway_s,
+        0.5..=10.0,
+        "0.5 to 10",
+    )?;
+    check(
+        "idm.standstill_gap_m",
+        idm.standstill_gap_m,
+        0.5..=20.0,
+        "0.5 to 20",
+    )
 }
 
 impl Pace {
@@ -296,7 +356,7 @@ fn rise_time() -> RiseTime {
 }
 
 #[cfg(test)]
-#[allow(clippy::float_cmp)]
+#[allow(clippy::float_cmp, clippy::unwrap_used)]
 mod tests {
     use super::super::random::Stream;
     use super::*;
@@ -309,8 +369,8 @@ mod tests {
 
     #[test]
     fn curves_rise_from_start_to_target() {
-        for kind in ModelKind::ALL {
-            let driver = SimulatedDriver::with(kind);
+        for kind in SimulatedDriver::KINDS {
+            let driver = SimulatedDriver::with(kind).unwrap();
             assert!(driver.check().is_ok());
             for (start, target) in [(0.0, 14.7), (9.1, 14.7), (5.0, 34.0)] {
                 let curve = driver.acceleration_curve(start, target, 0.1, &ALIKE);

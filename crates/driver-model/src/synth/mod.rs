@@ -36,14 +36,12 @@
 mod braking;
 mod drive;
 mod driver;
-mod idm;
 mod random;
 mod route;
 mod sensors;
 mod traffic;
 
 pub use driver::{Cruise, Pace, SimulatedDriver};
-pub use idm::Idm;
 
 use std::ops::RangeInclusive;
 
@@ -51,7 +49,7 @@ use drive_log::DriveLog;
 use ev_energy::Vehicle;
 use serde::Serialize;
 
-use crate::{Error, ModelKind, PhaseOutline};
+use crate::{Error, PhaseOutline};
 use random::{Random, Stream};
 use route::Route;
 use traffic::Traffic;
@@ -87,7 +85,7 @@ impl Default for SynthSettings {
             drives: 12,
             duration_s: 600.0,
             step_s: 0.1,
-            driver: SimulatedDriver::with(ModelKind::Profile),
+            driver: SimulatedDriver::default(),
             variation: 1.0,
             sensor_noise: true,
             leaders: true,
@@ -153,6 +151,7 @@ impl TruePhase {
             end_speed_mps: self.target_speed_mps,
             step_s,
             samples: self.end - self.start,
+            onset: None,
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Fits recover what made the data, stay inside their bounds, and say what they lack.
 
 use driver_model::phase_model::{Constant, Exponential, Inverse, Profile, RiseTime};
-use driver_model::{Error, PhaseCurve, PhaseOutline};
+use driver_model::{AccelPoint, Error, PhaseOutline, TrainingSet};
 use proptest::prelude::*;
 
-fn means(accel: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+use crate::support::{curve_of, line, plain_set};
+
+fn means(accel: impl Fn(f64) -> f64) -> Vec<AccelPoint> {
     (0..40)
         .map(|i| f64::from(i) * 0.8)
-        .map(|v| (v, accel(v)))
+        .map(|v| AccelPoint::new(v, accel(v)))
         .collect()
 }
 
@@ -36,7 +38,8 @@ proptest! {
     /// At an interior optimum the gradient vanishes; at a bound it points outward.
     #[test]
     fn inverse_meets_the_optimality_conditions(points in prop::collection::vec((0.0..35.0f64, 0.1..3.0f64), 5..60)) {
-        let fit = Inverse::fit(&points).unwrap();
+        let weighted: Vec<AccelPoint> = points.iter().map(|&(v, a)| AccelPoint::new(v, a)).collect();
+        let fit = Inverse::fit(&weighted).unwrap();
         let (mut g1, mut g2, mut scale) = (0.0, 0.0, 0.0);
         for &(v, a) in &points {
             let model = 1.0 / (fit.p1 * v + fit.p2);
@@ -51,6 +54,35 @@ proptest! {
         prop_assert!(met(g1, fit.p1, 0.0, 1.0), "{fit:?}: gradient {g1} of {scale}");
         prop_assert!(met(g2, fit.p2, 0.05, 20.0), "{fit:?}: gradient {g2} of {scale}");
     }
+
+    #[test]
+    fn exponentials_meet_the_optimality_conditions(
+        p0 in 0.5..3.0f64, p1 in 0.03..0.4f64, p2 in 0.0..1.0f64,
+        scatter in prop::collection::vec((0.0..35.0f64, -0.3..0.3f64), 20..100),
+    ) {
+        let scattered = |&(v, off): &(f64, f64)| AccelPoint::new(v, p0 * (-p1 * v).exp() + p2 + off);
+        let points: Vec<AccelPoint> = scatter.iter().map(scattered).collect();
+        let free = Exponential::fit_with_amplitude(&points).unwrap();
+        let printed = Exponential::fit_printed(&points).unwrap();
+        for (fit, amplitude_is_free) in [(free, true), (printed, false)] {
+            let (mut g, mut scale) = ([0.0; 3], [0.0; 3]);
+            for point in &points {
+                let e = (-fit.p1 * point.speed_mps).exp();
+                let residual = fit.p0 * e + fit.p2 - point.accel_mps2;
+                let gradient = [e, -point.speed_mps * fit.p0 * e, 1.0];
+                for i in 0..3 {
+                    g[i] += residual * gradient[i];
+                    scale[i] += point.accel_mps2.abs() * gradient[i].abs();
+                }
+            }
+            let met = |i: usize, p: f64, low: f64, high: f64| {
+                g[i].abs() <= 1e-5 * scale[i] || (p <= low + 1e-6 && g[i] > 0.0) || (p >= high - 1e-6 && g[i] < 0.0)
+            };
+            prop_assert!(!amplitude_is_free || met(0, fit.p0, 0.0, 10.0), "{fit:?}: {g:?} of {scale:?}");
+            prop_assert!(met(1, fit.p1, 0.0, 2.0), "{fit:?}: {g:?} of {scale:?}");
+            prop_assert!(met(2, fit.p2, -1.0, 5.0), "{fit:?}: {g:?} of {scale:?}");
+        }
+    }
 }
 
 #[test]
@@ -62,19 +94,23 @@ fn acceleration_that_grows_with_speed_ends_at_the_bound() {
 #[test]
 fn too_little_to_learn_from_is_said() {
     assert!(matches!(
-        Inverse::fit(&[(1.0, 1.0)]),
+        Inverse::fit(&[AccelPoint::new(1.0, 1.0)]),
         Err(Error::TooFewPhases {
             found: 1,
             needed: 2,
             ..
         })
     ));
-    assert!(matches!(Profile::fit(&[]), Err(Error::TooFewPhases { .. })));
+    let nothing = TrainingSet::default();
     assert!(matches!(
-        RiseTime::fit(&[]),
+        Profile::fit(&nothing),
         Err(Error::TooFewPhases { .. })
     ));
-    let message = Constant::fit(&[]).unwrap_err().to_string();
+    assert!(matches!(
+        RiseTime::fit(&nothing, RiseTime::RISE_TIME_CONSTANTS),
+        Err(Error::TooFewPhases { .. })
+    ));
+    let message = Constant::fit(&nothing).unwrap_err().to_string();
     assert!(
         message.contains("constant") && message.contains("--min-duration"),
         "{message}"
@@ -87,17 +123,19 @@ fn outline(start_kmh: f64, end_kmh: f64, duration_s: f64) -> PhaseOutline {
         end_speed_mps: end_kmh / 3.6,
         step_s: 0.1,
         samples: (duration_s / 0.1).round() as usize + 1,
+        onset: None,
     }
 }
 
 #[test]
 fn rise_time_takes_the_mean_of_the_group_or_else_of_the_nearest() {
-    let model = RiseTime::fit(&[
+    let curves = [
         outline(0.0, 40.0, 5.0),
         outline(10.0, 30.0, 7.0),
         outline(60.0, 120.0, 20.0),
-    ])
-    .unwrap();
+    ]
+    .map(line);
+    let model = RiseTime::fit(&plain_set(&curves), RiseTime::RISE_TIME_CONSTANTS).unwrap();
     let (own, is_own) = model.constant_for(outline(0.0, 20.0, 3.0).group());
     assert!((own - 6.0 / 5.0).abs() < 1e-12 && is_own);
     let (near, is_own) = model.constant_for(outline(110.0, 130.0, 3.0).group());
@@ -111,24 +149,9 @@ fn profile_of_one_phase_reproduces_it() {
         .map(|s| 3.0 + 9.0 * s * s * (3.0 - 2.0 * s))
         .collect();
     let curve = curve_of(speed.clone());
-    let model = Profile::fit(&[&curve]).unwrap();
+    let model = Profile::fit(&plain_set(std::slice::from_ref(&curve))).unwrap();
     for (k, &v) in speed.iter().enumerate() {
         let found = model.speed_mps(3.0, 12.0, k as f64 / 80.0);
         assert!((found - v).abs() < 2e-3, "sample {k}: {found} against {v}");
     }
-}
-
-fn curve_of(speed_mps: Vec<f64>) -> PhaseCurve {
-    use drive_log::{Channel, DriveLog};
-    use driver_model::{Phase, PhaseKind};
-    let end = speed_mps.len();
-    let channels = [(Channel::Speed, speed_mps)].into_iter().collect();
-    let log = DriveLog::new("curve", 0.0, 0.1, channels).unwrap();
-    let phase = Phase {
-        start: 0,
-        end,
-        kind: PhaseKind::Acceleration,
-        lead_influenced: false,
-    };
-    PhaseCurve::cut(&log, None, &phase).unwrap()
 }

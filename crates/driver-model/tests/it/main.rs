@@ -8,11 +8,18 @@
     clippy::print_stderr
 )]
 
+mod braking;
 mod closed_forms;
+mod conditioned;
+mod cruise;
 mod energy;
 mod evaluation;
 mod fitting;
+mod following;
 mod model_file;
 mod phases;
 mod reference_vectors;
+mod step_response;
+mod support;
 mod synth;
+mod weights;

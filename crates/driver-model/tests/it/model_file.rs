@@ -1,21 +1,22 @@
 //! Model files: write, read, and refuse what is not one.
 
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
-use driver_model::{DriverModel, Error, MODEL_SCHEMA, ModelFile, TrainingInput};
+use driver_model::{DriverModel, Error, ModelFile, PhaseKind, TrainingInput, TrainingRecord};
 
 fn file(model: DriverModel) -> ModelFile {
-    ModelFile {
-        schema: MODEL_SCHEMA.to_owned(),
-        version: "0.1.0".to_owned(),
-        model,
-        training_phases: 3,
-        training_segments: 5,
-        inputs: vec![TrainingInput {
-            path: "drive.csv".to_owned(),
-            sha256: "ab".to_owned(),
-        }],
-        config: serde_json::json!({ "min_gain": 10.0 }),
-    }
+    let input = |path: &str| TrainingInput {
+        path: path.to_owned(),
+        sha256: "ab".to_owned(),
+    };
+    let training = TrainingRecord {
+        phases: 3,
+        points: 5,
+        inputs: vec![input("drive.csv")],
+        prior_inputs: vec![input("other.csv")],
+        prior_weight: 1.0 / 3.0,
+    };
+    let config = serde_json::json!({ "min_gain": 10.0 });
+    ModelFile::new(PhaseKind::Braking, model, training, config)
 }
 
 fn models() -> Vec<DriverModel> {
@@ -56,7 +57,7 @@ fn foreign_damaged_and_impossible_files_are_refused() {
     let cases = [
         ("", "not JSON"),
         ("{}", "no key `schema`"),
-        (&good.replace("model/1", "model/9"), "drivekit/model/9"),
+        (&good.replace("model/2", "model/9"), "drivekit/model/9"),
         (&good.replace("\"p2\"", "\"q2\""), "q2"),
         (&good.replace("\"inverse\"", "\"unheard-of\""), "unheard-of"),
         (&good[..good.len() / 2], "EOF"),
@@ -75,4 +76,30 @@ fn foreign_damaged_and_impossible_files_are_refused() {
             "{error} for {expected}"
         );
     }
+}
+
+#[test]
+fn a_file_of_another_version_or_program_says_what_to_do() {
+    let refusal = |text: &str| match ModelFile::from_json(text) {
+        Err(Error::ModelFile { reason }) => reason,
+        other => panic!("{other:?}"),
+    };
+    let old =
+        r#"{"schema": "drivekit/model/1", "version": "0.1.0", "model": {"kind": "straight"}}"#;
+    let reason = refusal(old);
+    assert!(reason.contains("`drivekit/model/1`"), "{reason}");
+    assert!(reason.contains("reads `drivekit/model/2`"), "{reason}");
+    assert!(reason.contains("drivekit fit"), "{reason}");
+
+    let reason = refusal(r#"{"schema": "drivekit/evaluation/1", "models": []}"#);
+    assert!(reason.contains("`drivekit/evaluation/1`"), "{reason}");
+    assert!(reason.contains("is no model"), "{reason}");
+
+    let good = file(DriverModel::Straight).to_json().unwrap();
+    let reason = refusal(&good.replace("SI: m, s", "imperial: mi, h"));
+    assert!(reason.contains("units"), "{reason}");
+    let reason = refusal(&good.replace("\"braking\"", "\"cruise\""));
+    assert!(reason.contains("cruise"), "{reason}");
+    let reason = refusal(&good.replace("\"phase\"", "\"phrase\""));
+    assert!(reason.contains("phrase"), "{reason}");
 }

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use drive_log::{Channel, DriveLog, LayoutChoice, Preparation};
 use driver_model::{
-    HeuristicRules, PhaseKind, Scaling, StatisticalRules, dead_banded, lead_influenced,
+    HeuristicRules, Onset, PhaseKind, Scaling, StatisticalRules, dead_banded, lead_influenced,
 };
+
+use crate::support::curve_from;
 
 /// 5 s standing, 10 s at 1 m/s², 20 s holding, 5 s at −2 m/s².
 fn log(lead_gap_m: Option<f64>) -> DriveLog {
@@ -93,4 +95,42 @@ fn the_dead_band_is_strict() {
         dead_banded(&[0.4, -0.4, 0.39, -0.39, 0.0], 0.4).unwrap(),
         [0.4, -0.4, 0.0, 0.0, 0.0]
     );
+}
+
+#[test]
+fn an_onset_is_made_of_the_differences_before_the_phase() {
+    let speed = vec![9.0, 1.0, 1.1, 1.25, 1.6, 2.6, 0.5, 7.0];
+    let onset = curve_from(4, speed.clone()).outline().onset.unwrap();
+    // Accelerations of 1, 1.5 and 3.5 m/s² lead to the first sample.
+    let expected = Onset {
+        accel_mps2: 3.5,
+        jerk_mps3: 20.0,
+        previous_jerk_mps3: 5.0,
+    };
+    for (found, expected) in [
+        (onset.accel_mps2, expected.accel_mps2),
+        (onset.jerk_mps3, expected.jerk_mps3),
+        (onset.previous_jerk_mps3, expected.previous_jerk_mps3),
+    ] {
+        assert!((found - expected).abs() < 1e-9, "{onset:?}");
+    }
+    // Three samples are needed before the phase, and none of those in it but the first counts.
+    assert_eq!(curve_from(2, speed.clone()).outline().onset, None);
+    let mut later = speed.clone();
+    later[5..].iter_mut().for_each(|v| *v += 3.0);
+    assert_eq!(curve_from(4, later).outline().onset, Some(onset));
+    assert!(curve_from(3, speed).outline().onset.is_some());
+}
+
+#[test]
+fn the_rising_phase_of_braking_is_its_mirror_without_an_onset() {
+    let braking = curve_from(3, vec![9.0, 9.0, 8.9, 8.5, 7.0, 6.0, 2.0]);
+    let outline = braking.outline();
+    assert!(outline.is_braking() && outline.onset.is_some());
+    assert_eq!(braking.kind(), PhaseKind::Braking);
+    let rising = outline.rising();
+    assert_eq!((rising.start_speed_mps, rising.end_speed_mps), (2.0, 8.5));
+    assert_eq!((rising.samples, rising.onset), (4, None));
+    assert_eq!(*braking.rising_speed_mps(), [2.0, 6.0, 7.0, 8.5]);
+    assert_eq!(rising.rising(), rising);
 }

@@ -1,14 +1,15 @@
 //! Without variation, noise and leaders models find the truth that made the drives.
 
 use driver_model::phase_model::{Exponential, Inverse, Profile, RiseTime};
-use driver_model::synth::SynthSettings;
-use driver_model::{DriverModel, EvaluationSettings, ModelKind, PhaseCurve};
+use driver_model::synth::{SimulatedDriver, SynthSettings};
+use driver_model::{AccelPoint, DriverModel, EvaluationSettings, ModelKind, PhaseCurve, PhaseKind};
 
 use super::{complete_accelerations, curve, found, ideal, run};
+use crate::support::{line, plain_set};
 
 #[test]
 fn the_true_model_predicts_every_complete_phase() {
-    for kind in ModelKind::ALL {
+    for kind in SimulatedDriver::KINDS {
         let settings = ideal(kind);
         let mut phases = 0;
         for drive in run(&settings) {
@@ -41,7 +42,7 @@ fn the_true_functions_stay_in_band_on_phases_as_they_are_found() {
     ] {
         let settings = ideal(kind);
         for drive in run(&settings) {
-            for phase in found(&drive).phases {
+            for phase in found(&drive).phases_of(PhaseKind::Acceleration) {
                 let truth = settings.driver.acceleration.predict(&phase.outline());
                 for (a, b) in truth.iter().zip(phase.speed_mps()) {
                     assert!((a - b).abs() <= band_mps, "{kind} {a} {b}");
@@ -55,7 +56,7 @@ fn the_true_functions_stay_in_band_on_phases_as_they_are_found() {
 const WHOLE: usize = 10_000;
 
 /// Mean speed and mean acceleration of pieces of so many steps, cut from complete phases; the last may be shorter.
-fn means(settings: &SynthSettings, steps: usize) -> Vec<(f64, f64)> {
+fn means(settings: &SynthSettings, steps: usize) -> Vec<AccelPoint> {
     let mut means = Vec::new();
     for drive in run(settings) {
         for phase in complete_accelerations(&drive) {
@@ -66,7 +67,10 @@ fn means(settings: &SynthSettings, steps: usize) -> Vec<(f64, f64)> {
                 let n = (end - start) as f64;
                 let sum_mps: f64 = speed.windows(2).map(|v| 0.5 * (v[0] + v[1])).sum();
                 let gain_mps = speed[end - start] - speed[0];
-                means.push((sum_mps / n, gain_mps / (n * settings.step_s)));
+                means.push(AccelPoint::new(
+                    sum_mps / n,
+                    gain_mps / (n * settings.step_s),
+                ));
             }
         }
     }
@@ -138,21 +142,30 @@ fn function_fits_come_near_the_truth_on_whole_phases() {
     assert_close(fit.p2, truth.p2, 0.15);
 }
 
+fn complete_curves(settings: &SynthSettings) -> Vec<PhaseCurve> {
+    run(settings)
+        .iter()
+        .flat_map(|drive| {
+            complete_accelerations(drive)
+                .map(|p| curve(&drive.log, p))
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
 #[test]
 fn rise_time_finds_every_constant() {
     let settings = ideal(ModelKind::RiseTime);
     let DriverModel::RiseTime(truth) = &settings.driver.acceleration else {
         unreachable!()
     };
-    let outlines: Vec<_> = run(&settings)
+    // The outlines tell the speeds aimed at, which the curves of this driver do not reach.
+    let curves: Vec<PhaseCurve> = run(&settings)
         .iter()
-        .flat_map(|drive| {
-            complete_accelerations(drive)
-                .map(|p| p.outline(settings.step_s))
-                .collect::<Vec<_>>()
-        })
+        .flat_map(complete_accelerations)
+        .map(|phase| line(phase.outline(settings.step_s)))
         .collect();
-    let fit = RiseTime::fit(&outlines).unwrap();
+    let fit = RiseTime::fit(&plain_set(&curves), RiseTime::RISE_TIME_CONSTANTS).unwrap();
     assert!(fit.groups.len() >= 4);
     for group in &fit.groups {
         let (truth_s, own) = truth.constant_for(group.group);
@@ -167,15 +180,8 @@ fn profile_finds_the_shape() {
     let DriverModel::Profile(truth) = &settings.driver.acceleration else {
         unreachable!()
     };
-    let curves: Vec<PhaseCurve> = run(&settings)
-        .iter()
-        .flat_map(|drive| {
-            complete_accelerations(drive)
-                .map(|p| curve(&drive.log, p))
-                .collect::<Vec<_>>()
-        })
-        .collect();
-    let fit = Profile::fit(&curves.iter().collect::<Vec<_>>()).unwrap();
+    let curves = complete_curves(&settings);
+    let fit = Profile::fit(&plain_set(&curves)).unwrap();
     for (a, b) in fit.shape.iter().zip(&truth.shape) {
         // A curve of 30 samples is read between them.
         assert!((a - b).abs() < 2e-3, "{a} {b}");

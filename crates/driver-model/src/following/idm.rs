@@ -1,12 +1,12 @@
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::check;
-use crate::Error;
+use super::{FULL_BRAKING_MPS2, SMALLEST_GAP_M};
 
 /// Intelligent driver model: how the driver follows a vehicle ahead (Treiber, Hennecke, Helbing 2000).
 ///
 /// `a = a_max [1 − (v/v_desired)^4 − (s*/s)²]`, `s* = s0 + v T + v Δv/(2 √(a_max b))`, with gap `s` and closing speed `Δv`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Idm {
     /// Largest acceleration `a_max`.
     pub max_accel_mps2: f64,
@@ -17,12 +17,6 @@ pub struct Idm {
     /// Gap at standstill `s0`.
     pub standstill_gap_m: f64,
 }
-
-/// Full braking.
-const MAX_DECEL_MPS2: f64 = 8.0;
-
-/// Gaps below this count as this.
-const SMALLEST_GAP_M: f64 = 0.1;
 
 impl Default for Idm {
     fn default() -> Self {
@@ -51,34 +45,7 @@ impl Idm {
         let wanted_gap_m = self.standstill_gap_m + dynamic_m.max(0.0);
         let free = (speed_mps / desired_speed_mps).powi(4);
         let interaction = (wanted_gap_m / gap_m.max(SMALLEST_GAP_M)).powi(2);
-        (self.max_accel_mps2 * (1.0 - free - interaction)).max(-MAX_DECEL_MPS2)
-    }
-
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check(
-            "idm.max_accel_mps2",
-            self.max_accel_mps2,
-            0.3..=5.0,
-            "0.3 to 5",
-        )?;
-        check(
-            "idm.comfortable_decel_mps2",
-            self.comfortable_decel_mps2,
-            0.3..=5.0,
-            "0.3 to 5",
-        )?;
-        check(
-            "idm.time_headway_s",
-            self.time_headway_s,
-            0.5..=10.0,
-            "0.5 to 10",
-        )?;
-        check(
-            "idm.standstill_gap_m",
-            self.standstill_gap_m,
-            0.5..=20.0,
-            "0.5 to 20",
-        )
+        (self.max_accel_mps2 * (1.0 - free - interaction)).max(-FULL_BRAKING_MPS2)
     }
 }
 

@@ -1,0 +1,250 @@
+//! The main job: how well models predict drives that they have not seen.
+
+mod document;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use driver_model::phase_model::TransitionPoint;
+use driver_model::{
+    AccelDensity, CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings,
+    FollowingEvaluation, FollowingGroup, FunctionFit, LearningPoint, ModelKind, PhaseKind,
+    TrainingSet, Trip, evaluate_cruise, evaluate_following, function_fits, learning_curve,
+    leave_one_out,
+};
+use serde::Serialize;
+
+use super::phases::{PhaseArgs, vehicle, width_kmh};
+use super::prior::PriorArgs;
+use crate::exit::Outcome;
+use crate::flags::{Context, Format, LogArgs};
+use crate::inputs::{self, Input};
+use crate::output;
+use crate::progress::Progress;
+use crate::render::html;
+use crate::render::json::Document;
+use crate::require::Requirement;
+
+/// Leave-one-out over models and baselines: the main job
+///
+/// Each drive is held out once; every model is fitted on the others and predicts the held-out acceleration and braking
+/// phases from what it may know of them, and cruising and following where the logs have them. Without logs, the drives
+/// are twelve simulated ones that come with the program.
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit evaluate
+  drivekit evaluate logs/ --vehicle bmw-i3-60ah --report report.html
+  drivekit evaluate logs/*.csv --models inverse,profile-onset --format json > evaluation.json
+  drivekit evaluate drivers/ --hold-out driver           drivers/anna/*.csv, drivers/ben/*.csv, …
+  drivekit evaluate anna/ --prior others/ --learning-curve
+  drivekit evaluate logs/ --require 'profile.in_band_pct>=60' --require 'braking.profile.rmse_mps<=0.5'
+                                                         exit code 1 if missed")]
+pub(crate) struct EvaluateArgs {
+    #[command(flatten)]
+    #[serde(flatten)]
+    logs: LogArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    phases: PhaseArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    prior: PriorArgs,
+    /// Models to evaluate, comma separated; the baselines are always added
+    #[arg(long, value_delimiter = ',', default_values_t = models(), value_name = "MODEL")]
+    models: Vec<ModelKind>,
+    /// What is held out at a time
+    #[arg(long, value_enum, default_value_t = HoldOut::Trip, value_name = "UNIT")]
+    hold_out: HoldOut,
+    /// Also the error over the number of own trips that a model has seen
+    #[arg(long)]
+    learning_curve: bool,
+    /// Full width of the band around the measured speed, in km/h
+    #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
+    band: f64,
+    /// Vehicle for the energy of curves: a built-in name or a TOML file
+    #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]
+    vehicle: String,
+    /// Write one self-contained page with tables and pictures
+    #[arg(long, value_name = "FILE.html")]
+    #[serde(skip)]
+    report: Option<PathBuf>,
+    /// A threshold such as 'profile.in_band_pct>=60'; exit code 1 if missed
+    #[arg(long, value_name = "EXPR")]
+    #[serde(skip)]
+    require: Vec<Requirement>,
+}
+
+/// What is held out at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum HoldOut {
+    /// One drive
+    Trip,
+    /// All drives of one file
+    File,
+    /// All files of one folder: keep each driver's logs in a folder of its own
+    Driver,
+}
+
+impl HoldOut {
+    fn unit_of(self, input: &Input) -> String {
+        let path = Path::new(&input.path);
+        match self {
+            Self::Trip => input.drive.name.clone(),
+            Self::File => input.path.clone(),
+            Self::Driver => path.parent().unwrap_or(path).display().to_string(),
+        }
+    }
+}
+
+fn models() -> Vec<ModelKind> {
+    let all = ModelKind::ALL.into_iter();
+    all.filter(|model| !model.is_baseline()).collect()
+}
+
+/// Everything that was found out.
+struct Findings {
+    acceleration: Evaluation,
+    /// `None` where no drive has a braking phase that counts.
+    braking: Option<Evaluation>,
+    fits: Vec<(PhaseKind, Vec<FunctionFit>, AccelDensity)>,
+    learning: Vec<LearningPoint>,
+    /// `None` where less than two units cruise.
+    cruise: Option<CruiseEvaluation>,
+    /// The transition-point model of all acceleration phases; `None` where none can be identified.
+    systems: Option<TransitionPoint>,
+    /// With the stretches; `None` where less than two units follow a vehicle.
+    following: Option<(FollowingEvaluation, Vec<FollowingGroup>)>,
+}
+
+pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outcome> {
+    let vehicle = vehicle(&args.vehicle)?;
+    if let Some(path) = &args.report {
+        output::check_file_place(path)?;
+    }
+    let inputs = if args.logs.logs.is_empty() {
+        inputs::load_embedded(&args.logs.reading, context)?
+    } else {
+        inputs::load(&args.logs, context)?
+    };
+    let trips = args.phases.trips(&inputs, context)?;
+    let prior = args
+        .prior
+        .trips(&args.logs.reading, &args.phases, context)?;
+    let findings = args.evaluate(&inputs, &trips, &prior, &vehicle, context)?;
+    for (model, reason) in &findings.acceleration.left_out {
+        output::note(context, &format!("`{model}` is left out: {reason}"));
+    }
+
+    let document = Document::new(
+        "evaluate",
+        args,
+        &inputs,
+        document::Body::new(args, &findings),
+    );
+    let figures = serde_json::to_value(&document)?;
+    if let Some(path) = &args.report {
+        let page =
+            html::EVALUATION.filled(&document::with_curves(figures.clone(), &findings, &trips));
+        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+        output::note(context, &format!("report written to {}", path.display()));
+    }
+    match context.format {
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
+    }
+    let mut outcome = Outcome::Done;
+    for requirement in &args.require {
+        if let Some(reason) = requirement.missed(&figures)? {
+            output::note(context, &format!("missed: {reason}"));
+            outcome = Outcome::Negative;
+        }
+    }
+    Ok(outcome)
+}
+
+impl EvaluateArgs {
+    fn settings(&self) -> EvaluationSettings {
+        EvaluationSettings {
+            models: self.models.clone(),
+            band_mps: self.band / 3.6,
+            prior_weight: self.prior.weight(),
+        }
+    }
+
+    fn evaluate(
+        &self,
+        inputs: &[Input],
+        trips: &[Trip],
+        prior: &[Trip],
+        vehicle: &ev_energy::Vehicle,
+        context: &Context,
+    ) -> anyhow::Result<Findings> {
+        let settings = self.settings();
+        let units: Vec<String> = inputs.iter().map(|i| self.hold_out.unit_of(i)).collect();
+        let data = match self.hold_out {
+            HoldOut::Trip => EvaluationData::by_trip(trips),
+            HoldOut::File | HoldOut::Driver => EvaluationData::by_unit(trips, &units),
+        }
+        .with_prior(prior);
+        let progress = Progress::new(context, "evaluating", 2 * trips.len());
+        let evaluate = |kind| leave_one_out(kind, &data, vehicle, &settings, &|| progress.step());
+        let acceleration = evaluate(PhaseKind::Acceleration)?;
+        let brakes = trips
+            .iter()
+            .any(|t| t.phases_of(PhaseKind::Braking).next().is_some());
+        let braking = brakes.then(|| evaluate(PhaseKind::Braking)).transpose()?;
+        drop(progress);
+        let following = following(&data, context)?;
+        let fits = [PhaseKind::Acceleration, PhaseKind::Braking].map(|kind| {
+            let fits = function_fits(kind, trips)?;
+            Ok((kind, fits, AccelDensity::of(kind, trips)))
+        });
+        Ok(Findings {
+            acceleration,
+            braking,
+            following,
+            cruise: cruise(&data)?,
+            systems: systems(trips)?,
+            fits: fits.into_iter().collect::<anyhow::Result<_>>()?,
+            learning: if self.learning_curve {
+                learning_curve(PhaseKind::Acceleration, &data, &settings)?
+            } else {
+                Vec::new()
+            },
+        })
+    }
+}
+
+fn cruise(data: &EvaluationData<'_>) -> anyhow::Result<Option<CruiseEvaluation>> {
+    match evaluate_cruise(&data.cruise_groups()) {
+        Err(Error::TooFewStretches { .. }) => Ok(None),
+        evaluation => Ok(Some(evaluation?)),
+    }
+}
+
+fn systems(trips: &[Trip]) -> anyhow::Result<Option<TransitionPoint>> {
+    let training = TrainingSet::from_trips(PhaseKind::Acceleration, trips);
+    match TransitionPoint::fit(&training) {
+        Err(Error::TooFewPhases { .. }) => Ok(None),
+        model => Ok(Some(model?)),
+    }
+}
+
+fn following(
+    data: &EvaluationData<'_>,
+    context: &Context,
+) -> anyhow::Result<Option<(FollowingEvaluation, Vec<FollowingGroup>)>> {
+    let groups = data.following_groups();
+    match evaluate_following(&groups) {
+        Ok(evaluation) => Ok(Some((evaluation, groups))),
+        Err(Error::TooFewStretches { .. }) => Ok(None),
+        Err(error @ Error::Fit { .. }) => {
+            output::note(context, &format!("no models of following: {error}"));
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
+}

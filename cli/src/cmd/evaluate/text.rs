@@ -1,0 +1,319 @@
+//! The tables of an evaluation for people.
+
+use std::fmt::Write as _;
+
+use driver_model::{
+    CruiseEvaluation, Evaluation, FollowingEvaluation, FollowingFold, FollowingKind,
+    FollowingSummary, LearningPoint, ModelKind, PairedComparison, PhaseKind, Summary, Trip,
+};
+
+use super::{EvaluateArgs, Findings, HoldOut};
+use crate::render::table::{Table, number};
+
+pub(super) fn render(args: &EvaluateArgs, trips: &[Trip], findings: &Findings) -> String {
+    let mut text = String::new();
+    text.push_str(&models(args, trips, &findings.acceleration));
+    text.push_str(&paired(&findings.acceleration));
+    text.push_str(&bands(&findings.acceleration));
+    if let Some(braking) = &findings.braking {
+        text.push('\n');
+        text.push_str(&models(args, trips, braking));
+        text.push_str(&paired(braking));
+        text.push_str(&bands(braking));
+    }
+    if let Some(evaluation) = &findings.cruise {
+        text.push_str(&cruise(evaluation));
+    }
+    if let Some((evaluation, _)) = &findings.following {
+        text.push_str(&following(evaluation));
+    }
+    if !findings.learning.is_empty() {
+        text.push_str(&learning(&findings.learning));
+    }
+    text
+}
+
+fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> String {
+    let influenced: usize = trips
+        .iter()
+        .map(|t| match evaluation.kind {
+            PhaseKind::Braking => t.lead_influenced.braking,
+            _ => t.lead_influenced.acceleration,
+        })
+        .sum();
+    let held_out = match args.hold_out {
+        HoldOut::Trip => "trip",
+        HoldOut::File => "file",
+        HoldOut::Driver => "driver",
+    };
+    let mut text = format!(
+        "{} drives, {} {} phases of at least {} s and {} km/h, leave one {held_out} out",
+        trips.len(),
+        evaluation.phases.len(),
+        evaluation.kind.name(),
+        args.phases.min_duration,
+        args.phases.min_gain,
+    );
+    if influenced > 0 {
+        let _ = write!(
+            text,
+            " ({influenced} more under a leader's influence are left out)"
+        );
+    }
+    text.push_str("\n\n");
+    text.push_str(&model_table(args, evaluation).render());
+    let _ = writeln!(
+        text,
+        "\nΔE: measured minus predicted battery energy per phase ({}); end: predicted minus measured final speed.",
+        args.vehicle
+    );
+    for (kind, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
+        if summary.fallback_phases > 0 {
+            let _ = writeln!(
+                text,
+                "{kind}: {} phases lie in speed groups without training phases; the nearest group's parameter was used.",
+                summary.fallback_phases
+            );
+        }
+    }
+    text
+}
+
+fn model_table(args: &EvaluateArgs, evaluation: &Evaluation) -> Table {
+    let band = format!("in ±{} km/h %", number(0.5 * args.band, 1));
+    let mut table = Table::new([
+        "model",
+        "knows",
+        "RMSE km/h",
+        "median",
+        &band,
+        "√SSE/n km/h",
+        "ΔE kJ mean",
+        "median",
+        "|ΔE| kJ",
+        "end km/h",
+        "fit s",
+        "predict s",
+    ]);
+    for baselines in [false, true] {
+        if baselines {
+            table.heading("baselines");
+        }
+        for (kind, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
+            if kind.is_baseline() == baselines {
+                table.row(row(*kind, summary));
+            }
+        }
+    }
+    table
+}
+
+fn row(kind: ModelKind, summary: &Summary) -> [String; 12] {
+    let figures = &summary.figures;
+    let energy = &figures.energy_error_j;
+    [
+        kind.name().to_owned(),
+        summary.knows.to_owned(),
+        number(figures.rmse_mps * 3.6, 2),
+        number(figures.rmse_median_mps * 3.6, 2),
+        number(figures.in_band_pct, 1),
+        number(figures.sqrt_sse_per_sample_mps * 3.6, 3),
+        number(energy.mean / 1e3, 2),
+        number(energy.median / 1e3, 2),
+        number(energy.mean_abs / 1e3, 2),
+        number(figures.final_speed_error_mps * 3.6, 2),
+        number(summary.fit_seconds, 3),
+        number(summary.predict_seconds, 3),
+    ]
+}
+
+/// The best model against every other.
+fn paired(evaluation: &Evaluation) -> String {
+    let best = evaluation
+        .models
+        .iter()
+        .zip(&evaluation.summaries)
+        .min_by(|a, b| a.1.figures.rmse_mps.total_cmp(&b.1.figures.rmse_mps));
+    let Some((&best, _)) = best else {
+        return String::new();
+    };
+    let pairs: Vec<_> = evaluation
+        .paired
+        .iter()
+        .filter(|pair| pair.model == best || pair.against == best)
+        .collect();
+    let Some(units) = pairs.first().map(|pair| pair.units) else {
+        return String::new();
+    };
+    let mut table = Table::new([
+        "against",
+        "RMSE km/h",
+        "95 % from",
+        "to",
+        "better in",
+        "verdict",
+    ]);
+    for pair in pairs {
+        table.row(paired_row(pair, best));
+    }
+    format!(
+        "\n{best} less the other models, mean over phases, intervals over {units} held-out units\n\n{}",
+        table.render()
+    )
+}
+
+fn paired_row(pair: &PairedComparison, best: ModelKind) -> [String; 6] {
+    let is_first = pair.model == best;
+    let (other, low, high) = if is_first {
+        (pair.against, pair.low_mps, pair.high_mps)
+    } else {
+        (pair.model, -pair.high_mps, -pair.low_mps)
+    };
+    let better = if is_first {
+        pair.better_units
+    } else {
+        pair.units - pair.better_units
+    };
+    let verdict = match () {
+        () if high < 0.0 => "better",
+        () if low > 0.0 => "worse",
+        () => "no clear difference",
+    };
+    [
+        other.name().to_owned(),
+        number(1.8 * (low + high), 3),
+        number(3.6 * low, 3),
+        number(3.6 * high, 3),
+        format!("{better} of {}", pair.units),
+        verdict.to_owned(),
+    ]
+}
+
+fn bands(evaluation: &Evaluation) -> String {
+    if evaluation.bands.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new([
+        "predictive band",
+        "holds %",
+        "of samples %",
+        "mean width km/h",
+    ]);
+    for (kind, levels) in &evaluation.bands {
+        for level in levels {
+            table.row([
+                kind.name().to_owned(),
+                number(level.level_pct, 0),
+                number(level.inside_pct, 1),
+                number(3.6 * level.mean_width_mps, 2),
+            ]);
+        }
+    }
+    format!("\n{}", table.render())
+}
+
+fn learning(points: &[LearningPoint]) -> String {
+    let mut table = Table::new(["model", "fitted to", "own trips", "RMSE km/h", "in band %"]);
+    for point in points {
+        table.row([
+            point.model.name().to_owned(),
+            point.training.name().to_owned(),
+            point.own_trips.to_string(),
+            number(point.rmse_mps * 3.6, 3),
+            number(point.in_band_pct, 1),
+        ]);
+    }
+    format!("\nlearning curve, acceleration\n\n{}", table.render())
+}
+
+fn cruise(evaluation: &CruiseEvaluation) -> String {
+    let mut table = Table::new(["model", "stretches", "RMSE km/h", "90 % band holds %"]);
+    let rows = [
+        ("cruise", Some(evaluation.cruise)),
+        ("hold", Some(evaluation.hold)),
+        ("cruise, with a limit", evaluation.cruise_with_limit),
+        ("limit", evaluation.limit),
+    ];
+    for (name, summary) in rows {
+        if let Some(summary) = summary {
+            table.row([
+                name.to_owned(),
+                summary.stretches.to_string(),
+                number(3.6 * summary.rmse_mps, 2),
+                number(summary.coverage_90_pct, 1),
+            ]);
+        }
+    }
+    let model = &evaluation.parameters;
+    let bias = model.bias.map_or_else(
+        || "no limits in the logs".to_owned(),
+        |bias| {
+            let (mean, spread) = (3.6 * bias.mean_mps, 3.6 * bias.spread_mps);
+            format!("limit {mean:+.1} km/h, {spread:.1} km/h from stretch to stretch")
+        },
+    );
+    let variation = if model.is_random_walk() {
+        let per_root_second = model.deviation_mps * (2.0 / model.correlation_time_s).sqrt();
+        format!(
+            "wanders like a random walk, {:.2} km/h in a second",
+            3.6 * per_root_second
+        )
+    } else {
+        let (deviation, time) = (3.6 * model.deviation_mps, model.correlation_time_s);
+        format!("deviation {deviation:.2} km/h, correlated over {time:.1} s")
+    };
+    format!(
+        "\ncruising, {} units, each held out\n\n{}\n{bias}; {variation}\n",
+        evaluation.folds.len(),
+        table.render(),
+    )
+}
+
+fn following(evaluation: &FollowingEvaluation) -> String {
+    let mut table = Table::new([
+        "model",
+        "gap RMSE m",
+        "speed RMSE m/s",
+        "of the gap %",
+        "collisions",
+        "fit s",
+    ]);
+    let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
+    let seconds = |of: fn(&FollowingFold) -> f64| -> f64 { evaluation.folds.iter().map(of).sum() };
+    let mut row = |name: &str, s: &FollowingSummary, seconds: f64| {
+        table.row([
+            name.to_owned(),
+            number(s.gap_rmse_m, 2),
+            number(s.speed_rmse_mps, 3),
+            number(100.0 * s.gap_rmse_relative, 1),
+            s.collisions.to_string(),
+            number(seconds, 3),
+        ]);
+    };
+    let (held_out, in_sample) = (&evaluation.held_out, &evaluation.in_sample);
+    row(idm, &held_out.idm, seconds(|f| f.fit_seconds.idm));
+    row(
+        law,
+        &held_out.constant_time_gap,
+        seconds(|f| f.fit_seconds.constant_time_gap),
+    );
+    row(&format!("{idm}, in sample"), &in_sample.idm, f64::NAN);
+    row(
+        &format!("{law}, in sample"),
+        &in_sample.constant_time_gap,
+        f64::NAN,
+    );
+    let paired = &evaluation.held_out_difference;
+    let error = paired.gap_rmse_std_error_m;
+    format!(
+        "\n{} stretches behind a vehicle in {} units, each unit held out\n\n{}\n\
+         {idm} less {law}: gap RMSE {} ± {} m (standard error over stretches), better in {} of {}\n",
+        evaluation.stretches.len(),
+        evaluation.folds.len(),
+        table.render(),
+        number(paired.gap_rmse_m, 2),
+        number(error, 2),
+        paired.idm_better,
+        evaluation.stretches.len(),
+    )
+}

@@ -1,0 +1,281 @@
+//! `drivekit model show`: what a model file says.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::{Args, Subcommand};
+use driver_model::phase_model::{StepResponse, TransitionPoint};
+use driver_model::{DriverModel, ModelFile, PhaseKind, PhaseOutline};
+use serde::Serialize;
+
+use crate::exit::Outcome;
+use crate::flags::{Context, Format};
+use crate::output;
+use crate::render::json::Document;
+use crate::render::table::{Table, number};
+use crate::render::{chart, model_svg};
+
+/// Model files
+#[derive(Debug, Subcommand)]
+pub(crate) enum ModelCommand {
+    /// A model in words and a plot: what it says, what it was fitted to, and three phases as it predicts them
+    #[command(after_help = "\
+Examples:
+  drivekit model show driver.json
+  drivekit model show driver.json --plot driver.svg
+  drivekit model show driver.json --format json")]
+    Show(ShowArgs),
+}
+
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct ShowArgs {
+    /// Model file written by `drivekit fit`
+    #[arg(value_name = "FILE.json")]
+    file: PathBuf,
+    /// Also draw the phases as a picture, with the predictive band where the model has one
+    #[arg(long, value_name = "FILE.svg")]
+    #[serde(skip)]
+    plot: Option<PathBuf>,
+}
+
+pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<Outcome> {
+    let ModelCommand::Show(args) = command;
+    if let Some(path) = &args.plot {
+        output::check_file_place(path)?;
+    }
+    let file = read(&args.file)?;
+    let examples: Vec<Example> = outlines(file.phase)
+        .map(|outline| Example::new(&file.model, outline))
+        .collect();
+    if let Some(path) = &args.plot {
+        let picture = model_svg::draw(&title(&file), &examples)?;
+        output::write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
+    }
+    match context.format {
+        Format::Json => {
+            let body = Body {
+                file: &file,
+                examples: &examples,
+            };
+            output::print_json(&Document::new("model-show", args, &[], body))?;
+        }
+        Format::Text => output::print_text(&text(&file, &examples))?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// Reads a model file; errors name it.
+pub(crate) fn read(path: &Path) -> anyhow::Result<ModelFile> {
+    let place = || format!("`{}`", path.display());
+    let text = std::fs::read_to_string(path).with_context(place)?;
+    ModelFile::from_json(&text).with_context(place)
+}
+
+#[derive(Serialize)]
+struct Body<'a> {
+    file: &'a ModelFile,
+    examples: &'a [Example],
+}
+
+/// A phase that the model predicts.
+#[derive(Debug, Serialize)]
+pub(crate) struct Example {
+    #[serde(flatten)]
+    pub(crate) outline: PhaseOutline,
+    pub(crate) speed_mps: Vec<f64>,
+    /// Half-width of the 90 % band, where the model has one.
+    pub(crate) half_width_mps: Option<Vec<f64>>,
+}
+
+impl Example {
+    fn new(model: &DriverModel, outline: PhaseOutline) -> Self {
+        let bands = model.bands(&outline).into_iter();
+        Self {
+            speed_mps: model.predict(&outline),
+            half_width_mps: bands
+                .filter(|b| b.level_pct >= 90.0)
+                .map(|b| b.half_width_mps)
+                .next(),
+            outline,
+        }
+    }
+}
+
+/// Town, country road and motorway.
+fn outlines(kind: PhaseKind) -> impl Iterator<Item = PhaseOutline> {
+    let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
+    phases
+        .into_iter()
+        .map(move |(low_kmh, high_kmh, duration_s)| {
+            let (from, to) = match kind {
+                PhaseKind::Braking => (high_kmh, low_kmh),
+                _ => (low_kmh, high_kmh),
+            };
+            let step_s = 0.1;
+            PhaseOutline {
+                start_speed_mps: from / 3.6,
+                end_speed_mps: to / 3.6,
+                step_s,
+                samples: (duration_s / step_s) as usize + 1,
+                onset: None,
+            }
+        })
+}
+
+fn title(file: &ModelFile) -> String {
+    format!("{}, {} phases", file.model.kind(), file.phase.name())
+}
+
+fn text(file: &ModelFile, examples: &[Example]) -> String {
+    let training = &file.training;
+    let mut text = format!(
+        "{}, knows {}\n\n{}\n\n",
+        title(file),
+        file.model.kind().knows(),
+        words(file)
+    );
+    let _ = writeln!(
+        text,
+        "fitted by drivekit {} to {} phases and {} points of {} logs; prior: {} logs, weight {}\n",
+        file.version,
+        training.phases,
+        training.points,
+        training.inputs.len(),
+        training.prior_inputs.len(),
+        training.prior_weight,
+    );
+    let mut table = Table::new([
+        "phase",
+        "in s",
+        "¼ T",
+        "½ T",
+        "¾ T",
+        "at the end",
+        "90 % band at ½ T",
+    ]);
+    for example in examples {
+        table.row(example_row(example));
+    }
+    text.push_str(&table.render());
+    text.push('\n');
+    let curves: Vec<&[f64]> = examples.iter().map(|e| e.speed_mps.as_slice()).collect();
+    text.push_str(&chart::speed_over_time(&curves, examples[0].outline.step_s));
+    text
+}
+
+fn example_row(example: &Example) -> [String; 7] {
+    let outline = &example.outline;
+    let at = |share: f64| (share * (outline.samples - 1) as f64) as usize;
+    let speed = |share: f64| number(3.6 * example.speed_mps[at(share)], 1);
+    let band = example.half_width_mps.as_ref();
+    [
+        format!(
+            "{:.0} → {:.0} km/h",
+            3.6 * outline.start_speed_mps,
+            3.6 * outline.end_speed_mps
+        ),
+        number(outline.duration_s(), 1),
+        speed(0.25),
+        speed(0.5),
+        speed(0.75),
+        speed(1.0),
+        band.map_or_else(|| "–".to_owned(), |b| format!("±{:.1}", 3.6 * b[at(0.5)])),
+    ]
+}
+
+/// What the parameters mean.
+pub(crate) fn words(file: &ModelFile) -> String {
+    let verb = match file.phase {
+        PhaseKind::Braking => "brakes",
+        _ => "accelerates",
+    };
+    match &file.model {
+        DriverModel::Inverse(m) => {
+            of_speed(verb, &format!("a = 1/({:.5} v + {:.5})", m.p1, m.p2), |v| {
+                1.0 / (m.p1 * v + m.p2)
+            })
+        }
+        DriverModel::Exponential(m) | DriverModel::ExponentialAmplitude(m) => of_speed(
+            verb,
+            &format!("a = {:.4} exp(-{:.5} v) + {:.4}", m.p0, m.p1, m.p2),
+            |v| m.p0 * (-m.p1 * v).exp() + m.p2,
+        ),
+        DriverModel::RiseTime(m) | DriverModel::RiseTimeExact(m) => {
+            let lines = m.groups.iter().map(|g| {
+                format!(
+                    "{} km/h: T_c = {:.3} s ({} phases)",
+                    g.group.name(),
+                    g.time_constant_s,
+                    g.phases
+                )
+            });
+            lines.collect::<Vec<_>>().join("\n")
+        }
+        DriverModel::TransitionPoint(m) => transition_point(m),
+        DriverModel::Profile(m) => {
+            let at = |share: f64| 100.0 * m.speed_mps(0.0, 1.0, share);
+            shape(at(0.25), at(0.5), at(0.75))
+        }
+        DriverModel::ProfileConditioned(m) | DriverModel::ProfileOnset(m) => {
+            let at = |quarter: usize| 100.0 * m.mean_shape[quarter * (m.mean_shape.len() - 1) / 4];
+            format!(
+                "On average, {}\nHow it depends on the phase is a regression with {} centres.",
+                shape(at(1), at(2), at(3)),
+                m.basis.centres.len()
+            )
+        }
+        DriverModel::Constant(m) => format!(
+            "This driver {verb} with {:.3} m/s² at any speed.",
+            m.accel_mps2
+        ),
+        DriverModel::Straight => {
+            "A straight line from start to end speed; no parameters.".to_owned()
+        }
+        DriverModel::Smoothstep => "3s² − 2s³ from start to end speed; no parameters.".to_owned(),
+    }
+}
+
+fn of_speed(verb: &str, formula: &str, accel_mps2: impl Fn(f64) -> f64) -> String {
+    let at = |kmh: f64| accel_mps2(kmh / 3.6);
+    format!(
+        "{formula}, v in m/s, a in m/s².\nThis driver {verb} with {:.2} m/s² at 10 km/h, {:.2} at 50 and {:.2} at 100.",
+        at(10.0),
+        at(50.0),
+        at(100.0)
+    )
+}
+
+fn shape(quarter_pct: f64, half_pct: f64, three_quarters_pct: f64) -> String {
+    format!(
+        "of the change of speed, {quarter_pct:.0} % come in the first quarter of the time, {half_pct:.0} % in the first half and \
+         {three_quarters_pct:.0} % in three quarters."
+    )
+}
+
+fn transition_point(model: &TransitionPoint) -> String {
+    let lines = model.groups.iter().map(|g| {
+        let response = match g.response {
+            StepResponse::Distinct { t1_s, t2_s } => {
+                format!("order 2, T_1 = {t1_s:.3} s, T_2 = {t2_s:.3} s")
+            }
+            StepResponse::Equal {
+                order,
+                time_constant_s,
+            } => format!("order {order}, T_c = {time_constant_s:.3} s"),
+        };
+        format!(
+            "{} km/h: {response} ({} phases; thrown away: {} of another form, {} not identified)",
+            g.group.name(),
+            g.phases,
+            g.other_form,
+            g.unidentified
+        )
+    });
+    let mut lines: Vec<String> = lines.collect();
+    lines.push(format!(
+        "{} phases are thrown away in all.",
+        model.thrown_away()
+    ));
+    lines.join("\n")
+}

@@ -1,0 +1,62 @@
+//! Flags for logs of other drivers, shared by `fit` and `evaluate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use driver_model::Trip;
+use serde::Serialize;
+
+use super::phases::PhaseArgs;
+use crate::flags::{Context, LogArgs, ReadingArgs};
+use crate::inputs::{self, Input};
+
+#[derive(Debug, Clone, Args, Serialize)]
+#[command(next_help_heading = "Other drivers")]
+pub(crate) struct PriorArgs {
+    /// Logs of other drivers to learn from as well; a file, folder or glob, may be repeated
+    #[arg(long, value_name = "LOG")]
+    #[serde(skip)]
+    prior: Vec<PathBuf>,
+    /// Weight of a phase of other drivers beside 1 for an own one; 0 is the own data alone, 1 treats all alike
+    #[arg(long, default_value_t = 0.33, value_parser = weight, value_name = "W")]
+    prior_weight: f64,
+}
+
+impl PriorArgs {
+    pub(crate) fn weight(&self) -> f64 {
+        self.prior_weight
+    }
+
+    /// The logs of other drivers, none where none are named.
+    pub(crate) fn inputs(
+        &self,
+        reading: &ReadingArgs,
+        context: &Context,
+    ) -> anyhow::Result<Vec<Input>> {
+        if self.prior.is_empty() {
+            return Ok(Vec::new());
+        }
+        let logs = LogArgs {
+            logs: self.prior.clone(),
+            reading: reading.clone(),
+        };
+        inputs::load(&logs, context)
+    }
+
+    /// Their phases.
+    pub(crate) fn trips(
+        &self,
+        reading: &ReadingArgs,
+        phases: &PhaseArgs,
+        context: &Context,
+    ) -> anyhow::Result<Vec<Trip>> {
+        phases.trips(&self.inputs(reading, context)?, context)
+    }
+}
+
+fn weight(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(weight) if (0.0..=1e3).contains(&weight) => Ok(weight),
+        _ => Err("expected a weight, 0 to 1000".to_owned()),
+    }
+}

@@ -1,0 +1,385 @@
+//! Predictions of phases that the model has not seen, and how good they are.
+
+mod bands;
+mod learning_curve;
+mod paired;
+mod summary;
+
+use std::time::Instant;
+
+use ev_energy::Vehicle;
+use rayon::prelude::*;
+
+use crate::{
+    CruiseGroup, DriverModel, Error, FollowingGroup, ModelKind, PhaseCurve, PhaseKind,
+    PhasePrediction, TrainingSet, Trip,
+};
+pub use bands::BandCoverage;
+pub use learning_curve::{LearningPoint, TrainingSource, learning_curve};
+pub use paired::{PairedComparison, Verdict};
+pub use summary::{EnergyError, Figures, Summary};
+use summary::{mean, summarise};
+
+/// What is evaluated, and how it is judged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluationSettings {
+    /// Models to evaluate; the baselines are always added.
+    pub models: Vec<ModelKind>,
+    /// Full width of the band around the measured speed; 3 km/h.
+    pub band_mps: f64,
+    /// Weight of a phase of other drivers beside 1 for an own one; a third.
+    pub prior_weight: f64,
+}
+
+impl Default for EvaluationSettings {
+    fn default() -> Self {
+        Self {
+            models: ModelKind::ALL.to_vec(),
+            band_mps: 3.0 / 3.6,
+            prior_weight: 1.0 / 3.0,
+        }
+    }
+}
+
+impl EvaluationSettings {
+    fn check(&self) -> Result<(), Error> {
+        Error::unless_at_least("band_mps", self.band_mps, 0.0, "at least 0 m/s")?;
+        Error::unless_at_least("prior_weight", self.prior_weight, 0.0, "at least 0")
+    }
+}
+
+/// The trips of an evaluation, in units that are held out together.
+#[derive(Debug, Clone)]
+pub struct EvaluationData<'a> {
+    trips: &'a [Trip],
+    /// Trips of other drivers, never held out.
+    prior: &'a [Trip],
+    units: Vec<String>,
+    unit_of: Vec<usize>,
+}
+
+impl<'a> EvaluationData<'a> {
+    /// Every trip is a unit of its own.
+    #[must_use]
+    pub fn by_trip(trips: &'a [Trip]) -> Self {
+        Self {
+            units: trips.iter().map(|t| t.name.clone()).collect(),
+            unit_of: (0..trips.len()).collect(),
+            prior: &[],
+            trips,
+        }
+    }
+
+    /// Trips with the same name of unit (a file, a driver) are held out together; `unit_names` has one for every trip.
+    #[must_use]
+    pub fn by_unit(trips: &'a [Trip], unit_names: &[String]) -> Self {
+        let mut units: Vec<String> = Vec::new();
+        let mut number_of = |name: &String| {
+            units.iter().position(|u| u == name).unwrap_or_else(|| {
+                units.push(name.clone());
+                units.len() - 1
+            })
+        };
+        let unit_of = unit_names.iter().map(&mut number_of).collect();
+        Self {
+            units,
+            unit_of,
+            prior: &[],
+            trips,
+        }
+    }
+
+    /// Adds trips of other drivers, from which every model learns as well.
+    #[must_use]
+    pub fn with_prior(mut self, prior: &'a [Trip]) -> Self {
+        self.prior = prior;
+        self
+    }
+
+    /// Stretches behind a leader, by unit.
+    #[must_use]
+    pub fn following_groups(&self) -> Vec<FollowingGroup> {
+        let group = |(unit, name): (usize, &String)| FollowingGroup {
+            name: name.clone(),
+            stretches: self
+                .trips_where(|u| u == unit)
+                .flat_map(|trip| trip.following.iter().cloned())
+                .collect(),
+        };
+        self.units.iter().enumerate().map(group).collect()
+    }
+
+    /// Stretches of cruising, by unit.
+    #[must_use]
+    pub fn cruise_groups(&self) -> Vec<CruiseGroup> {
+        let group = |(unit, name): (usize, &String)| CruiseGroup {
+            name: name.clone(),
+            stretches: self
+                .trips_where(|u| u == unit)
+                .flat_map(|trip| trip.cruise.iter().cloned())
+                .collect(),
+        };
+        self.units.iter().enumerate().map(group).collect()
+    }
+
+    fn trips_where(&self, counts: impl Fn(usize) -> bool) -> impl Iterator<Item = &'a Trip> {
+        let trips = self.trips.iter().zip(&self.unit_of);
+        trips.filter_map(move |(trip, &unit)| counts(unit).then_some(trip))
+    }
+
+    fn check(&self, kind: PhaseKind) -> Result<(), Error> {
+        if self.units.len() < 2 {
+            return Err(Error::TooFewTrips {
+                found: self.units.len(),
+            });
+        }
+        if self
+            .trips
+            .iter()
+            .all(|t| t.phases_of(kind).next().is_none())
+        {
+            return Err(Error::TooFewPhases {
+                model: "any model",
+                found: 0,
+                needed: 1,
+                unit: "phases of its kind without a leader",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A held-out phase with every model's prediction of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluatedPhase {
+    /// Index of the trip.
+    pub trip: usize,
+    /// Index of the unit that was held out.
+    pub unit: usize,
+    /// The measured phase.
+    pub curve: PhaseCurve,
+    /// Battery energy of the measured speed, inside the cells.
+    pub energy_j: f64,
+    /// One per model, in the order of [`Evaluation::models`].
+    pub predictions: Vec<PhasePrediction>,
+    /// Battery energy of the predicted speeds, in the same order.
+    pub predicted_energy_j: Vec<f64>,
+}
+
+/// One unit held out, one model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fold {
+    /// Index of the unit that was held out.
+    pub unit: usize,
+    /// The model as fitted on all others.
+    pub model: DriverModel,
+    /// Held-out phases.
+    pub phases: usize,
+    /// Mean over them; `None` without a phase.
+    pub rmse_mps: Option<f64>,
+    /// Mean over them; `None` without a phase.
+    pub in_band_pct: Option<f64>,
+    /// Phases predicted with a parameter of another speed group.
+    pub fallbacks: usize,
+    /// Seconds of fitting.
+    pub fit_seconds: f64,
+    /// Seconds of predicting and comparing, energy not included.
+    pub predict_seconds: f64,
+}
+
+/// The outcome of [`leave_one_out`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// Acceleration or braking.
+    pub kind: PhaseKind,
+    /// Names of the trips, in input order.
+    pub trips: Vec<String>,
+    /// Names of the units.
+    pub units: Vec<String>,
+    /// The models and baselines, in the order of all predictions.
+    pub models: Vec<ModelKind>,
+    /// Models that could not be fitted without every unit, and why.
+    pub left_out: Vec<(ModelKind, String)>,
+    /// Figures per model, in the order of [`Evaluation::models`].
+    pub summaries: Vec<Summary>,
+    /// Every pair of models.
+    pub paired: Vec<PairedComparison>,
+    /// What the predictive bands hold, for the models that have them.
+    pub bands: Vec<(ModelKind, Vec<BandCoverage>)>,
+    /// Units in order, models within.
+    pub folds: Vec<Fold>,
+    /// Phases in input order.
+    pub phases: Vec<EvaluatedPhase>,
+}
+
+/// Holds each unit out once, fits every model on the others, and predicts the held-out phases of one kind.
+///
+/// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
+/// `on_fold` is called after each fold, from any thread. A model that cannot learn from what is left without some unit is left
+/// out, and said.
+///
+/// # Errors
+/// [`Error::TooFewTrips`] below two units, [`Error::TooFewPhases`] when no trip has a phase or nothing is left to learn from.
+pub fn leave_one_out(
+    kind: PhaseKind,
+    data: &EvaluationData<'_>,
+    vehicle: &Vehicle,
+    settings: &EvaluationSettings,
+    on_fold: &(dyn Fn() + Sync),
+) -> Result<Evaluation, Error> {
+    data.check(kind)?;
+    settings.check()?;
+    let asked: Vec<ModelKind> = ModelKind::ALL
+        .into_iter()
+        .filter(|model| model.is_baseline() || settings.models.contains(model))
+        .collect();
+    let units = (0..data.units.len())
+        .into_par_iter()
+        .map(|unit| {
+            let outcome = hold_out(unit, kind, data, &asked, vehicle, settings);
+            on_fold();
+            outcome
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    let (models, left_out) = usable(&asked, &units)?;
+
+    let mut folds = Vec::new();
+    let mut phases = Vec::new();
+    for unit in units {
+        let start = phases.len();
+        phases.extend(unit.phases);
+        for (fold, predicted) in unit.models.into_iter().flatten() {
+            if !models.contains(&fold.model.kind()) {
+                continue;
+            }
+            for (phase, (prediction, energy_j)) in phases[start..].iter_mut().zip(predicted) {
+                phase.predictions.push(prediction);
+                phase.predicted_energy_j.push(energy_j);
+            }
+            folds.push(fold);
+        }
+    }
+    phases.sort_by_key(|phase: &EvaluatedPhase| phase.trip);
+    let summary = |m: usize| summarise(m, models[m], &folds, &phases, settings.band_mps);
+    Ok(Evaluation {
+        kind,
+        trips: data.trips.iter().map(|t| t.name.clone()).collect(),
+        units: data.units.clone(),
+        summaries: (0..models.len()).map(summary).collect(),
+        paired: paired::all_pairs(&models, &phases),
+        bands: bands::coverage(&models, &phases),
+        models,
+        left_out,
+        folds,
+        phases,
+    })
+}
+
+/// Every phase of a unit predicted by one model, with the energy of the prediction.
+type Predicted = Vec<(PhasePrediction, f64)>;
+
+/// What is learnt from holding out one unit.
+struct HeldOut {
+    phases: Vec<EvaluatedPhase>,
+    /// In the order asked for.
+    models: Vec<Result<(Fold, Predicted), Error>>,
+}
+
+fn hold_out(
+    unit: usize,
+    kind: PhaseKind,
+    data: &EvaluationData<'_>,
+    models: &[ModelKind],
+    vehicle: &Vehicle,
+    settings: &EvaluationSettings,
+) -> Result<HeldOut, Error> {
+    let training = TrainingSet::from_trips(kind, data.trips_where(|u| u != unit)).with_prior(
+        kind,
+        data.prior,
+        settings.prior_weight,
+    );
+    let trips = data.trips.iter().zip(&data.unit_of).enumerate();
+    let own = trips.filter(|(_, (_, u))| **u == unit);
+    let curves = own.flat_map(|(index, (trip, _))| trip.phases_of(kind).map(move |c| (index, c)));
+    let phases = curves
+        .map(|(trip, curve)| {
+            Ok(EvaluatedPhase {
+                trip,
+                unit,
+                energy_j: energy_j(vehicle, curve, curve.speed_mps())?,
+                curve: curve.clone(),
+                predictions: Vec::with_capacity(models.len()),
+                predicted_energy_j: Vec::with_capacity(models.len()),
+            })
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    let models = models
+        .iter()
+        .map(|&model| fold(unit, model, &training, &phases, vehicle, settings))
+        .collect();
+    Ok(HeldOut { phases, models })
+}
+
+fn fold(
+    unit: usize,
+    kind: ModelKind,
+    training: &TrainingSet<'_>,
+    phases: &[EvaluatedPhase],
+    vehicle: &Vehicle,
+    settings: &EvaluationSettings,
+) -> Result<(Fold, Predicted), Error> {
+    let clock = Instant::now();
+    let model = DriverModel::fit(kind, training)?;
+    let fit_seconds = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    let predictions: Vec<_> = phases
+        .iter()
+        .map(|phase| PhasePrediction::new(&model, &phase.curve, settings.band_mps))
+        .collect();
+    let predict_seconds = clock.elapsed().as_secs_f64();
+    let fold = Fold {
+        unit,
+        phases: phases.len(),
+        rmse_mps: mean(predictions.iter().map(|p| p.rmse_mps)),
+        in_band_pct: mean(predictions.iter().map(|p| p.in_band_pct)),
+        fallbacks: predictions.iter().filter(|p| p.fallback).count(),
+        fit_seconds,
+        predict_seconds,
+        model,
+    };
+    let with_energy = |(phase, prediction): (&EvaluatedPhase, PhasePrediction)| {
+        let energy_j = energy_j(vehicle, &phase.curve, &prediction.speed_mps)?;
+        Ok((prediction, energy_j))
+    };
+    let predicted = phases.iter().zip(predictions).map(with_energy);
+    Ok((fold, predicted.collect::<Result<_, Error>>()?))
+}
+
+/// The models that could be fitted without every unit, and the others with the reason.
+#[allow(clippy::type_complexity)]
+fn usable(
+    asked: &[ModelKind],
+    units: &[HeldOut],
+) -> Result<(Vec<ModelKind>, Vec<(ModelKind, String)>), Error> {
+    let mut models = Vec::new();
+    let mut left_out = Vec::new();
+    for (m, &kind) in asked.iter().enumerate() {
+        match units.iter().find_map(|unit| unit.models[m].as_ref().err()) {
+            None => models.push(kind),
+            Some(error) => left_out.push((kind, error.to_string())),
+        }
+    }
+    Ok((models, left_out))
+}
+
+/// Battery energy of driving `speed_mps` over the slope of the phase. A prediction that rolls backward counts as standing.
+fn energy_j(vehicle: &Vehicle, curve: &PhaseCurve, speed_mps: &[f64]) -> Result<f64, Error> {
+    let forward: Vec<f64> = speed_mps.iter().map(|v| v.max(0.0)).collect();
+    let energy = vehicle.trip_energy(&ev_energy::Trip {
+        step_s: curve.outline().step_s,
+        speed_mps: &forward,
+        slope_rad: curve.slope_rad(),
+        ..ev_energy::Trip::default()
+    })?;
+    Ok(energy.battery_energy_j)
+}

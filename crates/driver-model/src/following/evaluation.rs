@@ -1,0 +1,247 @@
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{FollowingErrors, FollowingFit, FollowingKind, FollowingModel, FollowingStretch};
+use crate::Error;
+
+/// Stretches that are held out together, such as those of one file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowingGroup {
+    /// Name of the group.
+    pub name: String,
+    /// Its stretches; may be none.
+    pub stretches: Vec<FollowingStretch>,
+}
+
+/// The same for either model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PerFollowingModel<T> {
+    /// Of the intelligent driver model.
+    pub idm: T,
+    /// Of the constant-time-gap law.
+    pub constant_time_gap: T,
+}
+
+/// One group held out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FollowingFold {
+    /// Name of the group that was held out.
+    pub group: String,
+    /// Its stretches.
+    pub stretches: usize,
+    /// The models as fitted on all other groups.
+    pub fits: PerFollowingModel<FollowingFit>,
+    /// Seconds of fitting.
+    pub fit_seconds: PerFollowingModel<f64>,
+}
+
+/// How the models do on one stretch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScoredStretch {
+    /// Name of the group.
+    pub group: String,
+    /// Name of the log.
+    pub log: String,
+    /// Time of the first sample in the drive.
+    pub start_s: f64,
+    /// From first to last sample.
+    pub duration_s: f64,
+    /// Fitted on the other groups.
+    pub held_out: PerFollowingModel<FollowingErrors>,
+    /// Fitted on all groups, this one included.
+    pub in_sample: PerFollowingModel<FollowingErrors>,
+}
+
+/// Figures over stretches, every stretch with the same weight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FollowingSummary {
+    /// Mean root mean square error of the gap.
+    pub gap_rmse_m: f64,
+    /// Mean root mean square error of the speed.
+    pub speed_rmse_mps: f64,
+    /// Mean of the root mean square error of the gap over the root mean square of the measured gap.
+    pub gap_rmse_relative: f64,
+    /// Collisions, over all stretches.
+    pub collisions: usize,
+}
+
+/// Errors of the intelligent driver model minus those of the constant-time-gap law on the same stretches; negative where
+/// the former is better.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairedDifference {
+    /// Mean difference of the root mean square errors of the gap.
+    pub gap_rmse_m: f64,
+    /// Standard error of that mean over stretches; `None` for one stretch. Stretches of one drive are alike, so that it is
+    /// rather too small.
+    pub gap_rmse_std_error_m: Option<f64>,
+    /// Mean difference of the root mean square errors of the speed.
+    pub speed_rmse_mps: f64,
+    /// Stretches on which the gap of the intelligent driver model is the better one.
+    pub idm_better: usize,
+}
+
+/// The outcome of [`evaluate_following`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FollowingEvaluation {
+    /// One per group with stretches, in input order.
+    pub folds: Vec<FollowingFold>,
+    /// Models fitted on all groups.
+    pub all: PerFollowingModel<FollowingFit>,
+    /// Every stretch with the models fitted on the other groups.
+    pub held_out: PerFollowingModel<FollowingSummary>,
+    /// Every stretch with the models fitted on all of them.
+    pub in_sample: PerFollowingModel<FollowingSummary>,
+    /// Held-out errors of the two models, stretch by stretch.
+    pub held_out_difference: PairedDifference,
+    /// In input order.
+    pub stretches: Vec<ScoredStretch>,
+}
+
+/// Holds each group out once, fits both models on the others, and simulates the held-out stretches.
+///
+/// Groups without stretches are left out. Folds run in parallel on the current rayon pool; the result does not depend on
+/// the number of threads.
+///
+/// # Errors
+/// [`Error::TooFewStretches`] with less than two groups that have stretches, [`Error::Fit`] where a fit does not converge.
+pub fn evaluate_following(groups: &[FollowingGroup]) -> Result<FollowingEvaluation, Error> {
+    let groups: Vec<&FollowingGroup> = groups.iter().filter(|g| !g.stretches.is_empty()).collect();
+    if groups.len() < 2 {
+        return Err(Error::TooFewStretches {
+            found: groups.len(),
+            needed: 2,
+            unit: "groups of drives with a stretch behind a vehicle",
+        });
+    }
+    let all = Fitted::to(groups.iter().copied())?;
+    let folds = (0..groups.len())
+        .into_par_iter()
+        .map(|held_out| {
+            let others = groups.iter().enumerate().filter(|(g, _)| *g != held_out);
+            Fitted::to(others.map(|(_, group)| *group))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let stretches: Vec<ScoredStretch> = groups
+        .iter()
+        .zip(&folds)
+        .flat_map(|(group, fold)| score(group, fold, &all))
+        .collect();
+    let held_out = |s: &ScoredStretch| s.held_out;
+    Ok(FollowingEvaluation {
+        held_out: summaries(&stretches, held_out),
+        in_sample: summaries(&stretches, |s| s.in_sample),
+        held_out_difference: difference(stretches.iter().map(held_out)),
+        folds: groups
+            .iter()
+            .zip(folds)
+            .map(|(group, fold)| FollowingFold {
+                group: group.name.clone(),
+                stretches: group.stretches.len(),
+                fits: fold.fits,
+                fit_seconds: fold.fit_seconds,
+            })
+            .collect(),
+        all: all.fits,
+        stretches,
+    })
+}
+
+struct Fitted {
+    fits: PerFollowingModel<FollowingFit>,
+    fit_seconds: PerFollowingModel<f64>,
+}
+
+impl Fitted {
+    fn to<'a>(groups: impl Iterator<Item = &'a FollowingGroup>) -> Result<Self, Error> {
+        let stretches: Vec<&FollowingStretch> = groups.flat_map(|g| &g.stretches).collect();
+        let fit = |kind| {
+            let clock = Instant::now();
+            let fit = FollowingModel::fit(kind, &stretches)?;
+            Ok::<_, Error>((fit, clock.elapsed().as_secs_f64()))
+        };
+        let (idm, idm_seconds) = fit(FollowingKind::Idm)?;
+        let (constant_time_gap, law_seconds) = fit(FollowingKind::ConstantTimeGap)?;
+        Ok(Self {
+            fits: PerFollowingModel {
+                idm,
+                constant_time_gap,
+            },
+            fit_seconds: PerFollowingModel {
+                idm: idm_seconds,
+                constant_time_gap: law_seconds,
+            },
+        })
+    }
+
+    fn errors(&self, stretch: &FollowingStretch) -> PerFollowingModel<FollowingErrors> {
+        PerFollowingModel {
+            idm: self.fits.idm.model.errors(stretch),
+            constant_time_gap: self.fits.constant_time_gap.model.errors(stretch),
+        }
+    }
+}
+
+fn score<'a>(
+    group: &'a FollowingGroup,
+    fold: &'a Fitted,
+    all: &'a Fitted,
+) -> impl Iterator<Item = ScoredStretch> + 'a {
+    group.stretches.iter().map(|stretch| ScoredStretch {
+        group: group.name.clone(),
+        log: stretch.log().to_owned(),
+        start_s: stretch.start_s(),
+        duration_s: stretch.duration_s(),
+        held_out: fold.errors(stretch),
+        in_sample: all.errors(stretch),
+    })
+}
+
+fn summaries(
+    stretches: &[ScoredStretch],
+    of: fn(&ScoredStretch) -> PerFollowingModel<FollowingErrors>,
+) -> PerFollowingModel<FollowingSummary> {
+    let summary = |model: fn(PerFollowingModel<FollowingErrors>) -> FollowingErrors| {
+        let errors: Vec<FollowingErrors> = stretches.iter().map(|s| model(of(s))).collect();
+        FollowingSummary {
+            gap_rmse_m: mean(errors.iter().map(|e| e.gap_rmse_m)),
+            speed_rmse_mps: mean(errors.iter().map(|e| e.speed_rmse_mps)),
+            gap_rmse_relative: mean(errors.iter().map(|e| e.gap_rmse_relative)),
+            collisions: errors.iter().map(|e| e.collisions).sum(),
+        }
+    };
+    PerFollowingModel {
+        idm: summary(|errors| errors.idm),
+        constant_time_gap: summary(|errors| errors.constant_time_gap),
+    }
+}
+
+fn difference(
+    errors: impl Iterator<Item = PerFollowingModel<FollowingErrors>>,
+) -> PairedDifference {
+    let (gap_m, speed_mps): (Vec<f64>, Vec<f64>) = errors
+        .map(|e| (e.idm, e.constant_time_gap))
+        .map(|(idm, law)| {
+            (
+                idm.gap_rmse_m - law.gap_rmse_m,
+                idm.speed_rmse_mps - law.speed_rmse_mps,
+            )
+        })
+        .unzip();
+    let n = gap_m.len() as f64;
+    let mean_m = mean(gap_m.iter().copied());
+    let squares: f64 = gap_m.iter().map(|d| (d - mean_m).powi(2)).sum();
+    PairedDifference {
+        gap_rmse_m: mean_m,
+        gap_rmse_std_error_m: (gap_m.len() > 1).then(|| (squares / (n * (n - 1.0))).sqrt()),
+        speed_rmse_mps: mean(speed_mps.iter().copied()),
+        idm_better: gap_m.iter().filter(|d| **d < 0.0).count(),
+    }
+}
+
+/// Of at least one value.
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len() as f64;
+    values.sum::<f64>() / n
+}

@@ -1,0 +1,255 @@
+//! Car following: how a driver keeps the distance to the vehicle ahead, calibrated to recorded drives.
+//!
+//! ```text
+//! idm                 v̇ = a_max [1 − (v/v_d)⁴ − (s*/s)²],  s* = s0 + max(0, v T + v Δv/(2 √(a_max b)))
+//! constant-time-gap   v̇ = (v_lead − v + λ (s − s0 − τ v))/τ        baseline
+//! ```
+//!
+//! with speed `v`, gap `s` (bumper to bumper) and closing speed `Δv = v − v_lead`. [`following_stretches`] cuts the
+//! stretches behind one leader out of a log, [`FollowingModel::fit`] simulates them as a whole and compares,
+//! [`evaluate_following`] holds every group of stretches out once.
+//!
+//! # References
+//!
+//! - M. Treiber, A. Hennecke, D. Helbing: Congested traffic states in empirical observations and microscopic
+//!   simulations, Physical Review E 62 (2000), 1805–1824.
+//! - D. Swaroop, K. R. Rajagopal: A review of constant time headway policy for automatic vehicle following, IEEE
+//!   Intelligent Transportation Systems Conference (2001), 65–69; R. Rajamani: Vehicle Dynamics and Control, Springer
+//!   2012, chapter 6 (the baseline).
+//! - A. Kesting, M. Treiber: Calibrating car-following models by using trajectory data, Transportation Research Record
+//!   2088 (2008), 148–156 (simulating whole stretches, errors of the gap).
+//! - V. Punzo, M. Montanino: Speed or spacing? Cumulative variables, and convolution of model errors and time in traffic
+//!   flow models validation and calibration, Transportation Research Part B 91 (2016), 21–33.
+//! - M. Treiber, V. Kanagaraj: Comparing numerical integration schemes for time-continuous car-following models, Physica
+//!   A 419 (2015), 183–195 (the ballistic update).
+
+mod constant_time_gap;
+mod evaluation;
+mod fit;
+mod idm;
+mod simulation;
+mod stretch;
+
+pub use constant_time_gap::ConstantTimeGap;
+pub use evaluation::{
+    FollowingEvaluation, FollowingFold, FollowingGroup, FollowingSummary, PairedDifference,
+    PerFollowingModel, ScoredStretch, evaluate_following,
+};
+pub use fit::FollowingFit;
+pub use idm::Idm;
+pub use simulation::{FollowingErrors, SimulatedFollowing};
+pub use stretch::{FollowingSettings, FollowingStretch, following_stretches};
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// No model brakes harder.
+const FULL_BRAKING_MPS2: f64 = 8.0;
+
+/// Gaps below this count as this.
+const SMALLEST_GAP_M: f64 = 0.1;
+
+/// The models of car following, in the order in which tables print them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FollowingKind {
+    /// Intelligent driver model.
+    Idm,
+    /// Baseline: constant-time-gap law.
+    ConstantTimeGap,
+}
+
+/// A parameter of a model of car following, and between which bounds it is sought.
+struct Parameter {
+    name: &'static str,
+    lower: f64,
+    upper: f64,
+}
+
+const fn parameter(name: &'static str, lower: f64, upper: f64) -> Parameter {
+    Parameter { name, lower, upper }
+}
+
+const IDM: [Parameter; 5] = [
+    parameter("max_accel_mps2", 0.3, 5.0),
+    parameter("comfortable_decel_mps2", 0.3, 5.0),
+    parameter("time_headway_s", 0.1, 5.0),
+    parameter("standstill_gap_m", 0.5, 8.0),
+    parameter("desired_speed_mps", 5.0, 70.0),
+];
+
+const CONSTANT_TIME_GAP: [Parameter; 3] = [
+    parameter("time_gap_s", 0.1, 5.0),
+    parameter("standstill_gap_m", 0.5, 8.0),
+    parameter("gap_gain_per_s", 0.01, 5.0),
+];
+
+impl FollowingKind {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Idm, Self::ConstantTimeGap];
+
+    /// As in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Idm => "idm",
+            Self::ConstantTimeGap => "constant-time-gap",
+        }
+    }
+
+    fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Idm => &IDM,
+            Self::ConstantTimeGap => &CONSTANT_TIME_GAP,
+        }
+    }
+
+    /// Where the fit starts: an ordinary driver, a close one and a distant one.
+    fn starts(self) -> &'static [&'static [f64]] {
+        match self {
+            Self::Idm => &[
+                &[1.3, 1.7, 1.4, 2.0, 35.0],
+                &[2.5, 2.5, 0.7, 3.0, 25.0],
+                &[0.8, 1.0, 2.2, 5.0, 45.0],
+            ],
+            Self::ConstantTimeGap => &[&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],
+        }
+    }
+
+    /// The model of these parameters, in the order of [`FollowingKind::parameters`].
+    fn model(self, values: &[f64]) -> FollowingModel {
+        let value = |k: usize| values.get(k).copied().unwrap_or(f64::NAN);
+        match self {
+            Self::Idm => FollowingModel::Idm {
+                idm: Idm {
+                    max_accel_mps2: value(0),
+                    comfortable_decel_mps2: value(1),
+                    time_headway_s: value(2),
+                    standstill_gap_m: value(3),
+                },
+                desired_speed_mps: value(4),
+            },
+            Self::ConstantTimeGap => FollowingModel::ConstantTimeGap(ConstantTimeGap {
+                time_gap_s: value(0),
+                standstill_gap_m: value(1),
+                gap_gain_per_s: value(2),
+            }),
+        }
+    }
+}
+
+impl fmt::Display for FollowingKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A model of car following with its parameters; [`FollowingModel::check`] those that come from a file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FollowingModel {
+    /// Intelligent driver model.
+    Idm {
+        /// Its parameters.
+        idm: Idm,
+        /// Speed on a free road. Stretches behind a leader tell little about it.
+        desired_speed_mps: f64,
+    },
+    /// Constant-time-gap law.
+    ConstantTimeGap(ConstantTimeGap),
+}
+
+impl FollowingModel {
+    /// Which model this is.
+    #[must_use]
+    pub fn kind(&self) -> FollowingKind {
+        match self {
+            Self::Idm { .. } => FollowingKind::Idm,
+            Self::ConstantTimeGap(_) => FollowingKind::ConstantTimeGap,
+        }
+    }
+
+    /// Acceleration in m/s² at a speed, a gap to the vehicle ahead, and its speed; at least −8 m/s².
+    #[must_use]
+    pub fn accel_mps2(&self, speed_mps: f64, gap_m: f64, lead_speed_mps: f64) -> f64 {
+        match self {
+            Self::Idm {
+                idm,
+                desired_speed_mps,
+            } => idm.accel_mps2(speed_mps, *desired_speed_mps, gap_m, lead_speed_mps),
+            Self::ConstantTimeGap(law) => law.accel_mps2(speed_mps, gap_m, lead_speed_mps),
+        }
+    }
+
+    /// Checks parameters that come from outside.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the first that no fit can produce.
+    pub fn check(&self) -> Result<(), Error> {
+        for (parameter, value) in self.kind().parameters().iter().zip(self.values()) {
+            if !(parameter.lower..=parameter.upper).contains(&value) {
+                return Err(Error::Parameter {
+                    model: self.kind().name(),
+                    name: parameter.name,
+                    value,
+                    expected: format!("{} to {}", parameter.lower, parameter.upper),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn values(&self) -> Vec<f64> {
+        match self {
+            Self::Idm {
+                idm,
+                desired_speed_mps,
+            } => vec![
+                idm.max_accel_mps2,
+                idm.comfortable_decel_mps2,
+                idm.time_headway_s,
+                idm.standstill_gap_m,
+                *desired_speed_mps,
+            ],
+            Self::ConstantTimeGap(law) => {
+                vec![law.time_gap_s, law.standstill_gap_m, law.gap_gain_per_s]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_lie_inside_the_bounds_and_come_back() {
+        for kind in FollowingKind::ALL {
+            for start in kind.starts() {
+                let model = kind.model(start);
+                assert!(model.check().is_ok());
+                assert_eq!((model.kind(), model.values()), (kind, start.to_vec()));
+                let text = serde_json::to_string(&model).unwrap();
+                assert_eq!(
+                    serde_json::from_str::<FollowingModel>(&text).unwrap(),
+                    model
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn files_with_impossible_or_unknown_keys_are_refused() {
+        let json = r#"{"kind":"constant-time-gap","time_gap_s":1.0,"standstill_gap_m":2.0,"gap_gain_per_s":-1.0}"#;
+        let model: FollowingModel = serde_json::from_str(json).unwrap();
+        assert!(matches!(model.check(), Err(Error::Parameter { .. })));
+        let misspelt = json.replace("standstill_gap_m", "standstill");
+        assert!(serde_json::from_str::<FollowingModel>(&misspelt).is_err());
+        let more = json.replace("{", r#"{"more":1,"#);
+        assert!(serde_json::from_str::<FollowingModel>(&more).is_err());
+    }
+}

@@ -1,0 +1,123 @@
+use serde::Serialize;
+
+use crate::{PhaseCurve, PhaseKind, Trip};
+
+/// What models are fitted to: phases by the heuristic route, points of acceleration over speed by the statistical route.
+#[derive(Debug, Clone, Default)]
+pub struct TrainingSet<'a> {
+    /// Phases without a leader, of one kind.
+    pub phases: Vec<TrainingPhase<'a>>,
+    /// Of segments without a leader, of the same kind.
+    pub points: Vec<AccelPoint>,
+    points_of: PointsOf,
+}
+
+/// Points of acceleration over speed that functions are fitted to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PointsOf {
+    /// One per segment, by its means.
+    #[default]
+    Means,
+    /// All samples of the segments.
+    Samples,
+}
+
+/// A phase to learn from.
+#[derive(Debug, Clone, Copy)]
+pub struct TrainingPhase<'a> {
+    /// The measured phase.
+    pub curve: &'a PhaseCurve,
+    /// Number of the trip that it is from; phases of one trip are held out together.
+    pub trip: usize,
+    /// Above 0; 1 for the driver's own.
+    pub weight: f64,
+}
+
+/// Acceleration at a speed, of one sample or in the mean of a segment. Of braking it is the magnitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelPoint {
+    /// Speed.
+    pub speed_mps: f64,
+    /// Acceleration in the direction of the phase.
+    pub accel_mps2: f64,
+    /// Above 0; 1 for the driver's own.
+    pub weight: f64,
+}
+
+impl AccelPoint {
+    /// With weight 1.
+    #[must_use]
+    pub fn new(speed_mps: f64, accel_mps2: f64) -> Self {
+        Self {
+            speed_mps,
+            accel_mps2,
+            weight: 1.0,
+        }
+    }
+}
+
+impl<'a> TrainingSet<'a> {
+    /// Joins what trips have to offer of one kind of phase.
+    #[must_use]
+    pub fn from_trips(kind: PhaseKind, trips: impl IntoIterator<Item = &'a Trip>) -> Self {
+        Self::with_points(PointsOf::Means, kind, trips)
+    }
+
+    /// The same with a choice of points.
+    #[must_use]
+    pub fn with_points(
+        points_of: PointsOf,
+        kind: PhaseKind,
+        trips: impl IntoIterator<Item = &'a Trip>,
+    ) -> Self {
+        let mut training = Self {
+            points_of,
+            ..Self::default()
+        };
+        training.extend(kind, trips, 1.0);
+        training
+    }
+
+    /// Adds trips of other drivers, each phase and segment with this weight beside 1 for the own; 0 adds nothing.
+    #[must_use]
+    pub fn with_prior(
+        mut self,
+        kind: PhaseKind,
+        trips: impl IntoIterator<Item = &'a Trip>,
+        weight: f64,
+    ) -> Self {
+        if weight > 0.0 {
+            self.extend(kind, trips, weight);
+        }
+        self
+    }
+
+    fn extend(&mut self, kind: PhaseKind, trips: impl IntoIterator<Item = &'a Trip>, weight: f64) {
+        let first = self.phases.last().map_or(0, |p| p.trip + 1);
+        for (number, trip) in (first..).zip(trips) {
+            let phases = trip.phases_of(kind).map(|curve| TrainingPhase {
+                curve,
+                trip: number,
+                weight,
+            });
+            self.phases.extend(phases);
+            for segment in trip.segments_of(kind) {
+                let points = match self.points_of {
+                    PointsOf::Means => std::slice::from_ref(&segment.mean),
+                    PointsOf::Samples => &segment.samples,
+                };
+                let weighted = |point: &AccelPoint| AccelPoint { weight, ..*point };
+                self.points.extend(points.iter().map(weighted));
+            }
+        }
+    }
+
+    /// The weighted mean over phases, `None` without one.
+    pub(crate) fn mean(&self, figure: impl Fn(&PhaseCurve) -> f64) -> Option<f64> {
+        let (sum, weight) = self.phases.iter().fold((0.0, 0.0), |(sum, weight), p| {
+            (sum + p.weight * figure(p.curve), weight + p.weight)
+        });
+        (weight > 0.0).then(|| sum / weight)
+    }
+}
