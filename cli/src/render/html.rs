@@ -131,6 +131,8 @@ pub(crate) const PORTRAIT: Page = Page {
         include_str!("report/base.js"),
         include_str!("report/page.js"),
         include_str!("report/tables.js"),
+        include_str!("report/chart.js"),
+        include_str!("report/portrait-charts.js"),
         include_str!("report/portrait.js"),
     ),
 };
@@ -180,7 +182,7 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [Page; 4] = [EVALUATION, SEGMENTATION, ENERGY, CALIBRATION];
+    const PAGES: [Page; 5] = [EVALUATION, SEGMENTATION, ENERGY, CALIBRATION, PORTRAIT];
 
     /// What a browser takes for the content of the data element.
     fn embedded(page: &str) -> &str {
@@ -274,11 +276,21 @@ mod tests {
             "findings",
             "provenance",
         ];
+        let portrait = [
+            "headline",
+            "pace",
+            "limits",
+            "headway",
+            "smoothness",
+            "findings",
+            "provenance",
+        ];
         for (page, sections) in [
             (EVALUATION.filled(&json!({})), &evaluation[..]),
             (SEGMENTATION.filled(&json!({})), &segmentation),
             (ENERGY.filled(&json!({})), &energy),
             (CALIBRATION.filled(&json!({})), &calibration),
+            (PORTRAIT.filled(&json!({})), &portrait),
         ] {
             let place = |id: &&str| {
                 page.find(&format!("id=\"{id}\""))

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::program::{drivekit_in, fixture};
 
 /// The name of a page, the least number of its figures, and the arguments that make it; `drives/` is that of the fixtures.
-const PAGES: [(&str, usize, &str); 4] = [
+const PAGES: [(&str, usize, &str); 5] = [
     (
         "evaluate",
         18,
@@ -33,6 +33,11 @@ const PAGES: [(&str, usize, &str); 4] = [
         "calibrate",
         4,
         "calibrate drives/drive-01.csv drives/drive-02.csv --vehicle b250e -o car.toml",
+    ),
+    (
+        "portrait",
+        5,
+        "portrait drives/drive-01.csv drives/drive-02.csv --fleet drives/drive-03.csv",
     ),
 ];
 const OPTIONS: [&str; 14] = [

@@ -10,7 +10,7 @@ const SVG_NAMESPACE = 'http://www.w3.org/2000/svg';
 // ---------------------------------------------------------------- data access
 
 const number = (value) => (typeof value === 'number' && Number.isFinite(value) ? value : NaN);
-const text = (value) => (value === undefined || value === null ? '' : String(value));
+const text = (value) => (value === undefined || value === null || typeof value === 'object' ? '' : String(value));
 const list = (value) => (Array.isArray(value) ? value : []);
 const object = (value) => (value !== null && typeof value === 'object' && !Array.isArray(value) ? value : {});
 const member = (value, key) => (Object.hasOwn(object(value), key) ? value[key] : undefined);

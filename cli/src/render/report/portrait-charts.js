@@ -188,7 +188,7 @@ function limitChart(rows, width) {
   ];
   const label = `Speed less limit while cruising. ${rows.map(limitWords).join('; ')}.`;
   return picture({ width, height: bottom + LIMITS.bottom }, label, [
-    ...ticks(low, high, Math.max(3, (right - left) / 60)).flatMap(along),
+    ...ticks(low, high, Math.max(5, (right - left) / 60)).flatMap(along),
     svg('text', { class: 'name', x: x(0), y: LIMITS.top - 8, 'text-anchor': 'middle' }, 'limit'),
     svg('text', { x: right, y: bottom + 36, 'text-anchor': 'end' }, 'speed less limit, km/h'),
     ...rows.map((row, index) => limitNodes(row, index, x, width)),

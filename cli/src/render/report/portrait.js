@@ -154,9 +154,12 @@ function smoothSection(report) {
 const driven = ({ drives, distanceM, durationS }) =>
   `${plural(drives, 'drive')}, ${quantity(distanceM / 1000, 0, 'km')} in ${quantity(durationS / 3600, 1, 'h')}`;
 
+/** Numbers stay on a line with their units. */
+const unbroken = (sentence) => sentence.replace(/(\d) (?=%|km|kWh|[mhs]\b)/g, '$1\u00a0');
+
 /** The sentences after the first, which is the headline. */
 function sentenceList(sentences) {
-  const items = sentences.map((sentence) => el('li', {}, sentence));
+  const items = sentences.map((sentence) => el('li', {}, unbroken(sentence)));
   const node = el('ul', { id: 'sentences', role: 'list', 'aria-label': 'The driver in sentences' }, ...items);
   const look = { display: 'grid', gap: '0.9em', maxWidth: '46rem', margin: '2rem 0', padding: 0, listStyle: 'none' };
   Object.assign(node.style, look, { fontSize: 'clamp(1.1rem, 1rem + 0.5vw, 1.35rem)', lineHeight: 1.5 });
