@@ -1,8 +1,9 @@
 //! Bounded nonlinear least squares for curves `y = f(x; p)` with two or three parameters.
 //!
 //! Minimises `½ Σ w_i (f(x_i; p) − y_i)²` subject to `lower ≤ p ≤ upper` (thesis 2.23, 2.24). The bounds are
-//! removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`. Where the sum
-//! falls towards a bound the slope in `q` vanishes at it, so that the method ends there.
+//! removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`. At a bound the
+//! slope in `q` vanishes whether or not the sum falls inward, and towards one the method is slow. So it runs twice: what
+//! ended near a bound to which the sum falls is put on it, and what ended at a bound from which it falls is taken off it.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
@@ -24,6 +25,19 @@ const PATIENCE: usize = 400;
 
 /// First step at most, relative to the free parameters: the sine is no line over more.
 const FIRST_STEP: f64 = 1.0;
+
+/// Nearer to a bound than this, as a share of the width, a parameter may belong on it.
+const NEAR_BOUND: f64 = 0.01;
+
+/// Nearer than this it is at the bound, and where it does not belong there it starts again this far inside.
+const AT_BOUND: f64 = 1e-9;
+const OFF_BOUND: f64 = 0.02;
+
+/// Sums this close to each other, relative, are the same.
+const SAME_SUM: f64 = 1e-12;
+
+/// Cosine between residuals and derivative by a parameter below which the sum does not fall along it.
+const LEVEL: f64 = 1e-7;
 
 /// Bounds of a parameter and the free variable `q` in place of it.
 #[derive(Debug, Clone, Copy)]
@@ -49,9 +63,28 @@ impl Bounds {
         value.clamp(self.lower, self.upper)
     }
 
-    /// Derivative of the value by `q`.
+    /// Derivative of the value by `q`, 0 at a bound.
     pub(crate) fn slope(self, free: f64) -> f64 {
-        0.5 * self.width() * free.cos()
+        let cos = free.cos();
+        let rounded = if cos.abs() < 1e-12 { 0.0 } else { cos };
+        0.5 * self.width() * rounded
+    }
+
+    /// Where to go on from a value, given the cosine of [`LEVEL`], which has the sign of the slope of the sum; `None` where
+    /// it is.
+    fn amended(self, value: f64, cosine: f64) -> Option<f64> {
+        let is_low = value - self.lower < self.upper - value;
+        let bound = if is_low { self.lower } else { self.upper };
+        let share = (value - bound).abs() / self.width();
+        let falls_outward = (cosine > 0.0) == is_low;
+        if cosine.abs() < LEVEL {
+            None
+        } else if falls_outward {
+            (share > 0.0 && share < NEAR_BOUND).then(|| self.free(bound))
+        } else {
+            let inside = bound + (0.5 * (self.lower + self.upper) - bound) * 2.0 * OFF_BOUND;
+            (share < AT_BOUND).then(|| self.free(inside))
+        }
     }
 }
 
@@ -130,25 +163,72 @@ impl<const N: usize> Curve<N> {
     }
 
     fn fit_from(&self, start: &[f64; N], points: &[AccelPoint]) -> End<N> {
+        let free = SVector::from_fn(|i, _| self.bounds(i).free(start[i]));
+        let (first, free) = self.end_from(free, points);
+        let Some(free) = self.amended(&first.fit, free, points) else {
+            return first;
+        };
+        let (second, _) = self.end_from(free, points);
+        let allowed = first.fit.residual_sum_of_squares * (1.0 + SAME_SUM);
+        if second.fit.residual_sum_of_squares <= allowed {
+            second
+        } else {
+            first
+        }
+    }
+
+    /// Where the method ends, in free parameters too.
+    fn end_from(&self, free: SVector<f64, N>, points: &[AccelPoint]) -> (End<N>, SVector<f64, N>) {
         let problem = Problem {
             curve: self,
             points,
-            free: SVector::from_fn(|i, _| self.bounds(i).free(start[i])),
+            free,
         };
         let solver = LevenbergMarquardt::new()
             .with_ftol(SUM_TOLERANCE)
             .with_xtol(PARAMETER_TOLERANCE)
             .with_gtol(ANGLE_TOLERANCE)
             .with_stepbound(FIRST_STEP)
-            .with_patience(PATIENCE);
+            .with_patience(PATIENCE)
+            .with_scale_diag(false);
         let (solved, report) = solver.minimize(problem);
-        End {
+        let end = End {
             fit: Fit {
                 parameters: solved.parameters(),
                 residual_sum_of_squares: 2.0 * report.objective_function,
             },
             unconverged: unconverged(&report.termination),
+        };
+        (end, solved.free)
+    }
+
+    /// Where to start again so that the bounds are right, `None` where they are.
+    fn amended(
+        &self,
+        fit: &Fit<N>,
+        mut free: SVector<f64, N>,
+        points: &[AccelPoint],
+    ) -> Option<SVector<f64, N>> {
+        let p = &fit.parameters;
+        let (mut products, mut squares) = ([0.0; N], [0.0; N]);
+        for point in points {
+            let off = (self.value)(p, point.speed_mps) - point.accel_mps2;
+            let gradient = (self.gradient)(p, point.speed_mps);
+            for (i, g) in gradient.into_iter().enumerate() {
+                products[i] += point.weight * off * g;
+                squares[i] += point.weight * g * g;
+            }
         }
+        let mut any = false;
+        for i in 0..N {
+            let norm = (squares[i] * fit.residual_sum_of_squares).sqrt();
+            let cosine = if norm > 0.0 { products[i] / norm } else { 0.0 };
+            if let Some(amended) = self.bounds(i).amended(p[i], cosine) {
+                free[i] = amended;
+                any = true;
+            }
+        }
+        any.then_some(free)
     }
 
     fn bounds(&self, i: usize) -> Bounds {
@@ -256,6 +336,33 @@ mod tests {
         let fit = LINE.fit(&points(3.0, 0.0)).unwrap();
         assert!((fit.parameters[0] - 1.0).abs() < 1e-9);
         assert!((fit.parameters[1] - 0.4).abs() < 1e-6, "{fit:?}");
+    }
+
+    #[test]
+    fn a_bound_that_the_sum_falls_away_from_does_not_hold() {
+        // Starting on the bound of the amplitude, where the slope by the free parameter is 0.
+        let decay = Curve::<2> {
+            model: "decay",
+            value: |p, x| p[0] * (-p[1] * x).exp(),
+            gradient: |p, x| {
+                let e = (-p[1] * x).exp();
+                [e, -x * p[0] * e]
+            },
+            lower: [0.0, 0.0],
+            upper: [10.0, 2.0],
+            starts: &[[0.0, 0.5]],
+        };
+        let on_curve = |x: f64| AccelPoint::new(x, 3.0 * (-0.2 * x).exp());
+        let fit = decay.fit(&[0.0, 1.0, 2.0, 5.0].map(on_curve)).unwrap();
+        assert!((fit.parameters[0] - 3.0).abs() < 1e-6, "{fit:?}");
+        assert!((fit.parameters[1] - 0.2).abs() < 1e-6, "{fit:?}");
+    }
+
+    #[test]
+    fn a_parameter_that_belongs_on_its_bound_is_put_there() {
+        let on_line = |x: f64| AccelPoint::new(x, 3.0 - 3.0 * x);
+        let fit = LINE.fit(&[0.0, 0.5, 1.0].map(on_line)).unwrap();
+        assert!(fit.parameters[0].to_bits() == 1.0_f64.to_bits(), "{fit:?}");
     }
 
     #[test]
