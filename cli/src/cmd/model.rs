@@ -12,9 +12,10 @@ use serde::Serialize;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
+use crate::render::chart;
 use crate::render::json::Document;
+use crate::render::model_svg::{self, Example};
 use crate::render::table::{Table, number};
-use crate::render::{chart, model_svg};
 
 /// Model files
 #[derive(Debug, Subcommand)]
@@ -76,30 +77,6 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<ModelFile> {
 struct Body<'a> {
     file: &'a ModelFile,
     examples: &'a [Example],
-}
-
-/// A phase that the model predicts.
-#[derive(Debug, Serialize)]
-pub(crate) struct Example {
-    #[serde(flatten)]
-    pub(crate) outline: PhaseOutline,
-    pub(crate) speed_mps: Vec<f64>,
-    /// Half-width of the 90 % band, where the model has one.
-    pub(crate) half_width_mps: Option<Vec<f64>>,
-}
-
-impl Example {
-    fn new(model: &DriverModel, outline: PhaseOutline) -> Self {
-        let bands = model.bands(&outline).into_iter();
-        Self {
-            speed_mps: model.predict(&outline),
-            half_width_mps: bands
-                .filter(|b| b.level_pct >= 90.0)
-                .map(|b| b.half_width_mps)
-                .next(),
-            outline,
-        }
-    }
 }
 
 /// Town, country road and motorway.

@@ -1,9 +1,10 @@
 //! The phases that a model predicts, as an SVG picture.
 
+use driver_model::{DriverModel, PhaseOutline};
 use plotters::prelude::*;
+use serde::Serialize;
 
 use super::svg::PlotError;
-use crate::cmd::model::Example;
 
 const SIZE_PX: (u32, u32) = (900, 480);
 const COLOURS: [RGBColor; 3] = [
@@ -11,6 +12,30 @@ const COLOURS: [RGBColor; 3] = [
     RGBColor(0xe6, 0x9f, 0x00),
     RGBColor(0x00, 0x9e, 0x73),
 ];
+
+/// A phase that the model predicts.
+#[derive(Debug, Serialize)]
+pub(crate) struct Example {
+    #[serde(flatten)]
+    pub(crate) outline: PhaseOutline,
+    pub(crate) speed_mps: Vec<f64>,
+    /// Half-width of the 90 % band, where the model has one.
+    pub(crate) half_width_mps: Option<Vec<f64>>,
+}
+
+impl Example {
+    pub(crate) fn new(model: &DriverModel, outline: PhaseOutline) -> Self {
+        let bands = model.bands(&outline).into_iter();
+        Self {
+            speed_mps: model.predict(&outline),
+            half_width_mps: bands
+                .filter(|b| b.level_pct >= 90.0)
+                .map(|b| b.half_width_mps)
+                .next(),
+            outline,
+        }
+    }
+}
 
 /// Speed over time of every example, with its 90 % band where there is one.
 pub(crate) fn draw(title: &str, examples: &[Example]) -> Result<String, PlotError> {

@@ -78,6 +78,7 @@ pub mod portrait;
 mod prediction;
 mod segmenter;
 mod statistical;
+mod statistics;
 mod stream;
 pub mod synth;
 mod tally;

@@ -1,6 +1,6 @@
 //! A portrait in plain sentences. Each says what was measured; a judgement only beside a fleet.
 
-use driver_model::portrait::{LimitKeeping, Pace, Portrait, SMOOTH_WINDOW_S};
+use driver_model::portrait::{AccelOverSpeed, LimitKeeping, Portrait, SMOOTH_WINDOW_S};
 
 /// Differences below this share are none.
 const ALIKE: f64 = 0.05;
@@ -12,7 +12,7 @@ pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<Stri
         driver.distance_m / 1e3,
         driver.duration_s / 3600.0
     )];
-    let of_fleet = |pace: fn(&Portrait) -> &Pace| fleet.map(pace);
+    let of_fleet = |pace: fn(&Portrait) -> &AccelOverSpeed| fleet.map(pace);
     sentences.extend(pace(
         "Accelerates",
         &driver.acceleration,
@@ -26,7 +26,7 @@ pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<Stri
     sentences
 }
 
-fn pace(verb: &str, own: &Pace, fleet: Option<&Pace>) -> Option<String> {
+fn pace(verb: &str, own: &AccelOverSpeed, fleet: Option<&AccelOverSpeed>) -> Option<String> {
     let accel = own.accel_mps2?;
     let mut sentence = format!(
         "{verb} with {:.1} m/s² at the median and seldom with more than {:.1}",

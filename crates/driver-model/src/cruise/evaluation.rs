@@ -2,6 +2,7 @@ use serde::Serialize;
 
 use super::{CruiseModel, CruiseStretch};
 use crate::Error;
+use crate::statistics::mean;
 
 /// Stretches that are held out together, such as those of one trip.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,9 +152,4 @@ fn summary(scores: &[Score], of: fn(&Score) -> f64, coverage: bool) -> CruiseSum
             None
         },
     }
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> Option<f64> {
-    let n = values.len();
-    (n > 0).then(|| values.sum::<f64>() / n as f64)
 }

@@ -1,6 +1,7 @@
 //! Predictions of phases that the model has not seen, and how good they are.
 
 mod bands;
+mod data;
 mod learning_curve;
 mod paired;
 mod summary;
@@ -10,15 +11,14 @@ use std::time::Instant;
 use ev_energy::Vehicle;
 use rayon::prelude::*;
 
-use crate::{
-    CruiseGroup, DriverModel, Error, FollowingGroup, ModelKind, PhaseCurve, PhaseKind,
-    PhasePrediction, TrainingSet, Trip,
-};
+use crate::statistics::mean;
+use crate::{DriverModel, Error, ModelKind, PhaseCurve, PhaseKind, PhasePrediction, TrainingSet};
 pub use bands::BandCoverage;
+pub use data::EvaluationData;
 pub use learning_curve::{LearningPoint, TrainingSource, learning_curve};
 pub use paired::{PairedComparison, Verdict};
+use summary::summarise;
 pub use summary::{EnergyError, Figures, Summary};
-use summary::{mean, summarise};
 
 /// What is evaluated, and how it is judged.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,107 +45,6 @@ impl EvaluationSettings {
     fn check(&self) -> Result<(), Error> {
         Error::unless_at_least("band_mps", self.band_mps, 0.0, "at least 0 m/s")?;
         Error::unless_at_least("prior_weight", self.prior_weight, 0.0, "at least 0")
-    }
-}
-
-/// The trips of an evaluation, in units that are held out together.
-#[derive(Debug, Clone)]
-pub struct EvaluationData<'a> {
-    trips: &'a [Trip],
-    /// Trips of other drivers, never held out.
-    prior: &'a [Trip],
-    units: Vec<String>,
-    unit_of: Vec<usize>,
-}
-
-impl<'a> EvaluationData<'a> {
-    /// Every trip is a unit of its own.
-    #[must_use]
-    pub fn by_trip(trips: &'a [Trip]) -> Self {
-        Self {
-            units: trips.iter().map(|t| t.name.clone()).collect(),
-            unit_of: (0..trips.len()).collect(),
-            prior: &[],
-            trips,
-        }
-    }
-
-    /// Trips with the same name of unit (a file, a driver) are held out together; `unit_names` has one for every trip.
-    #[must_use]
-    pub fn by_unit(trips: &'a [Trip], unit_names: &[String]) -> Self {
-        let mut units: Vec<String> = Vec::new();
-        let mut number_of = |name: &String| {
-            units.iter().position(|u| u == name).unwrap_or_else(|| {
-                units.push(name.clone());
-                units.len() - 1
-            })
-        };
-        let unit_of = unit_names.iter().map(&mut number_of).collect();
-        Self {
-            units,
-            unit_of,
-            prior: &[],
-            trips,
-        }
-    }
-
-    /// Adds trips of other drivers, from which every model learns as well.
-    #[must_use]
-    pub fn with_prior(mut self, prior: &'a [Trip]) -> Self {
-        self.prior = prior;
-        self
-    }
-
-    /// Stretches behind a leader, by unit.
-    #[must_use]
-    pub fn following_groups(&self) -> Vec<FollowingGroup> {
-        let group = |(unit, name): (usize, &String)| FollowingGroup {
-            name: name.clone(),
-            stretches: self
-                .trips_where(|u| u == unit)
-                .flat_map(|trip| trip.following.iter().cloned())
-                .collect(),
-        };
-        self.units.iter().enumerate().map(group).collect()
-    }
-
-    /// Stretches of cruising, by unit.
-    #[must_use]
-    pub fn cruise_groups(&self) -> Vec<CruiseGroup> {
-        let group = |(unit, name): (usize, &String)| CruiseGroup {
-            name: name.clone(),
-            stretches: self
-                .trips_where(|u| u == unit)
-                .flat_map(|trip| trip.cruise.iter().cloned())
-                .collect(),
-        };
-        self.units.iter().enumerate().map(group).collect()
-    }
-
-    fn trips_where(&self, counts: impl Fn(usize) -> bool) -> impl Iterator<Item = &'a Trip> {
-        let trips = self.trips.iter().zip(&self.unit_of);
-        trips.filter_map(move |(trip, &unit)| counts(unit).then_some(trip))
-    }
-
-    fn check(&self, kind: PhaseKind) -> Result<(), Error> {
-        if self.units.len() < 2 {
-            return Err(Error::TooFewTrips {
-                found: self.units.len(),
-            });
-        }
-        if self
-            .trips
-            .iter()
-            .all(|t| t.phases_of(kind).next().is_none())
-        {
-            return Err(Error::TooFewPhases {
-                model: "any model",
-                found: 0,
-                needed: 1,
-                unit: "phases of its kind without a leader",
-            });
-        }
-        Ok(())
     }
 }
 
@@ -241,7 +140,7 @@ pub fn leave_one_out(
             outcome
         })
         .collect::<Result<Vec<_>, Error>>()?;
-    let (models, left_out) = usable(&asked, &units)?;
+    let (models, left_out) = usable(&asked, &units);
 
     let mut folds = Vec::new();
     let mut phases = Vec::new();
@@ -356,11 +255,7 @@ fn fold(
 }
 
 /// The models that could be fitted without every unit, and the others with the reason.
-#[allow(clippy::type_complexity)]
-fn usable(
-    asked: &[ModelKind],
-    units: &[HeldOut],
-) -> Result<(Vec<ModelKind>, Vec<(ModelKind, String)>), Error> {
+fn usable(asked: &[ModelKind], units: &[HeldOut]) -> (Vec<ModelKind>, Vec<(ModelKind, String)>) {
     let mut models = Vec::new();
     let mut left_out = Vec::new();
     for (m, &kind) in asked.iter().enumerate() {
@@ -369,7 +264,7 @@ fn usable(
             Some(error) => left_out.push((kind, error.to_string())),
         }
     }
-    Ok((models, left_out))
+    (models, left_out)
 }
 
 /// Battery energy of driving `speed_mps` over the slope of the phase. A prediction that rolls backward counts as standing.

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{EvaluatedPhase, Fold};
+use crate::statistics::{mean, quantile};
 use crate::{ModelKind, PhasePrediction, SpeedGroup};
 
 /// Mean, median and mean absolute value of energy differences; positive where the prediction uses less.
@@ -128,17 +129,8 @@ impl Figures {
     }
 }
 
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, n) = values.fold((0.0, 0usize), |(sum, n), v| (sum + v, n + 1));
-    (n > 0).then(|| sum / n as f64)
-}
-
-/// The mean of the two middle values where their number is even; NaN without values.
+/// NaN without values.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => f64::NAN,
-        _ => 0.5 * (values[(n - 1) / 2] + values[n / 2]),
-    }
+    quantile(&values, 0.5).unwrap_or(f64::NAN)
 }

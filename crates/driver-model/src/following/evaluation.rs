@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::{FollowingErrors, FollowingFit, FollowingKind, FollowingModel, FollowingStretch};
 use crate::Error;
+use crate::statistics::mean;
 
 /// Stretches that are held out together, such as those of one file.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,10 +205,13 @@ fn summaries(
 ) -> PerFollowingModel<FollowingSummary> {
     let summary = |model: fn(PerFollowingModel<FollowingErrors>) -> FollowingErrors| {
         let errors: Vec<FollowingErrors> = stretches.iter().map(|s| model(of(s))).collect();
+        let of_all = |figure: fn(&FollowingErrors) -> f64| {
+            mean(errors.iter().map(figure)).unwrap_or(f64::NAN)
+        };
         FollowingSummary {
-            gap_rmse_m: mean(errors.iter().map(|e| e.gap_rmse_m)),
-            speed_rmse_mps: mean(errors.iter().map(|e| e.speed_rmse_mps)),
-            gap_rmse_relative: mean(errors.iter().map(|e| e.gap_rmse_relative)),
+            gap_rmse_m: of_all(|e| e.gap_rmse_m),
+            speed_rmse_mps: of_all(|e| e.speed_rmse_mps),
+            gap_rmse_relative: of_all(|e| e.gap_rmse_relative),
             collisions: errors.iter().map(|e| e.collisions).sum(),
         }
     };
@@ -230,18 +234,12 @@ fn difference(
         })
         .unzip();
     let n = gap_m.len() as f64;
-    let mean_m = mean(gap_m.iter().copied());
+    let mean_m = mean(gap_m.iter().copied()).unwrap_or(f64::NAN);
     let squares: f64 = gap_m.iter().map(|d| (d - mean_m).powi(2)).sum();
     PairedDifference {
         gap_rmse_m: mean_m,
         gap_rmse_std_error_m: (gap_m.len() > 1).then(|| (squares / (n * (n - 1.0))).sqrt()),
-        speed_rmse_mps: mean(speed_mps.iter().copied()),
+        speed_rmse_mps: mean(speed_mps).unwrap_or(f64::NAN),
         idm_better: gap_m.iter().filter(|d| **d < 0.0).count(),
     }
-}
-
-/// Of at least one value.
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let n = values.len() as f64;
-    values.sum::<f64>() / n
 }

@@ -1,5 +1,7 @@
 use serde::Serialize;
 
+use crate::statistics::quantile;
+
 /// Where the values of a figure lie.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Distribution {
@@ -21,12 +23,4 @@ impl Distribution {
             p90: quantile(&values, 0.9)?,
         })
     }
-}
-
-/// Of sorted values, linear between them.
-pub(super) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let position = share * (sorted.len().checked_sub(1)? as f64);
-    let left = position as usize;
-    let right = (left + 1).min(sorted.len() - 1);
-    Some(sorted[left] + (sorted[right] - sorted[left]) * (position - left as f64))
 }

@@ -1,7 +1,7 @@
 use drive_log::DriveLog;
 use serde::Serialize;
 
-use super::distribution::quantile;
+use crate::statistics::quantile;
 
 /// How lively the driving is; the first two figures are those of the European test of real driving emissions
 /// (Regulation 2017/1151, annex IIIA, appendix 7a).

@@ -16,7 +16,7 @@ pub use distribution::Distribution;
 pub use dynamics::Dynamics;
 pub use economy::{Economy, SMOOTH_WINDOW_S};
 pub use headway::{Headway, HeadwayBin};
-pub use pace::{Pace, PaceBin};
+pub use pace::{AccelBin, AccelOverSpeed};
 
 use crate::{Error, PhaseKind, PhaseSettings, Trip};
 
@@ -30,9 +30,9 @@ pub struct Portrait {
     /// Over all drives, standstill included.
     pub duration_s: f64,
     /// Acceleration over speed, without a leader.
-    pub acceleration: Pace,
+    pub acceleration: AccelOverSpeed,
     /// Deceleration over speed, without a leader.
-    pub braking: Pace,
+    pub braking: AccelOverSpeed,
     /// Speed against each limit while cruising; empty where no log has limits.
     pub limits: Vec<LimitKeeping>,
     /// Time behind the vehicle ahead; `None` where no log has a gap.
@@ -68,8 +68,8 @@ impl Portrait {
             duration_s: logs()
                 .map(|log| (log.len() - 1) as f64 * log.step_s())
                 .sum(),
-            acceleration: Pace::of(PhaseKind::Acceleration, &trips),
-            braking: Pace::of(PhaseKind::Braking, &trips),
+            acceleration: AccelOverSpeed::of(PhaseKind::Acceleration, &trips),
+            braking: AccelOverSpeed::of(PhaseKind::Braking, &trips),
             limits: cruise::limit_keeping(&all, settings)?,
             headway: Headway::of(&all),
             dynamics: Dynamics::of(&all),

@@ -5,20 +5,20 @@ use crate::{PhaseKind, Trip};
 
 /// Acceleration or deceleration over speed, from the samples of segments without a leader.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pace {
+pub struct AccelOverSpeed {
     /// Segments.
     pub segments: usize,
     /// Mean speed and mean acceleration of each segment.
     pub means: Vec<[f64; 2]>,
     /// By speed, those with too little time left out.
-    pub bins: Vec<PaceBin>,
+    pub bins: Vec<AccelBin>,
     /// Over all samples; `None` without a segment.
     pub accel_mps2: Option<Distribution>,
 }
 
 /// Samples of similar speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PaceBin {
+pub struct AccelBin {
     /// Speeds from here …
     pub from_mps: f64,
     /// … to here.
@@ -35,7 +35,7 @@ const BIN_MPS: f64 = 10.0 / 3.6;
 /// Bins with fewer samples say nothing of a driver: 3 s at 10 Hz.
 const LEAST_SAMPLES: usize = 30;
 
-impl Pace {
+impl AccelOverSpeed {
     pub(super) fn of(kind: PhaseKind, trips: &[Trip]) -> Self {
         let segments = || trips.iter().flat_map(|trip| trip.segments_of(kind));
         let mut bins: Vec<Vec<f64>> = Vec::new();
@@ -50,7 +50,7 @@ impl Pace {
         let bins = bins.into_iter().enumerate().filter_map(|(k, values)| {
             let samples = values.len();
             let accel_mps2 = Distribution::of(values)?;
-            (samples >= LEAST_SAMPLES).then_some(PaceBin {
+            (samples >= LEAST_SAMPLES).then_some(AccelBin {
                 from_mps: k as f64 * BIN_MPS,
                 to_mps: (k + 1) as f64 * BIN_MPS,
                 samples,

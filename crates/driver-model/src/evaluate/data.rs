@@ -1,0 +1,105 @@
+use crate::{CruiseGroup, Error, FollowingGroup, PhaseKind, Trip};
+
+/// The trips of an evaluation, in units that are held out together.
+#[derive(Debug, Clone)]
+pub struct EvaluationData<'a> {
+    pub(super) trips: &'a [Trip],
+    /// Trips of other drivers, never held out.
+    pub(super) prior: &'a [Trip],
+    pub(super) units: Vec<String>,
+    pub(super) unit_of: Vec<usize>,
+}
+
+impl<'a> EvaluationData<'a> {
+    /// Every trip is a unit of its own.
+    #[must_use]
+    pub fn by_trip(trips: &'a [Trip]) -> Self {
+        Self {
+            units: trips.iter().map(|t| t.name.clone()).collect(),
+            unit_of: (0..trips.len()).collect(),
+            prior: &[],
+            trips,
+        }
+    }
+
+    /// Trips with the same name of unit (a file, a driver) are held out together; `unit_names` has one for every trip.
+    #[must_use]
+    pub fn by_unit(trips: &'a [Trip], unit_names: &[String]) -> Self {
+        let mut units: Vec<String> = Vec::new();
+        let mut number_of = |name: &String| {
+            units.iter().position(|u| u == name).unwrap_or_else(|| {
+                units.push(name.clone());
+                units.len() - 1
+            })
+        };
+        let unit_of = unit_names.iter().map(&mut number_of).collect();
+        Self {
+            units,
+            unit_of,
+            prior: &[],
+            trips,
+        }
+    }
+
+    /// Adds trips of other drivers, from which every model learns as well.
+    #[must_use]
+    pub fn with_prior(mut self, prior: &'a [Trip]) -> Self {
+        self.prior = prior;
+        self
+    }
+
+    /// Stretches behind a leader, by unit.
+    #[must_use]
+    pub fn following_groups(&self) -> Vec<FollowingGroup> {
+        let group = |(unit, name): (usize, &String)| FollowingGroup {
+            name: name.clone(),
+            stretches: self
+                .trips_where(|u| u == unit)
+                .flat_map(|trip| trip.following.iter().cloned())
+                .collect(),
+        };
+        self.units.iter().enumerate().map(group).collect()
+    }
+
+    /// Stretches of cruising, by unit.
+    #[must_use]
+    pub fn cruise_groups(&self) -> Vec<CruiseGroup> {
+        let group = |(unit, name): (usize, &String)| CruiseGroup {
+            name: name.clone(),
+            stretches: self
+                .trips_where(|u| u == unit)
+                .flat_map(|trip| trip.cruise.iter().cloned())
+                .collect(),
+        };
+        self.units.iter().enumerate().map(group).collect()
+    }
+
+    pub(super) fn trips_where(
+        &self,
+        counts: impl Fn(usize) -> bool,
+    ) -> impl Iterator<Item = &'a Trip> {
+        let trips = self.trips.iter().zip(&self.unit_of);
+        trips.filter_map(move |(trip, &unit)| counts(unit).then_some(trip))
+    }
+
+    pub(super) fn check(&self, kind: PhaseKind) -> Result<(), Error> {
+        if self.units.len() < 2 {
+            return Err(Error::TooFewTrips {
+                found: self.units.len(),
+            });
+        }
+        if self
+            .trips
+            .iter()
+            .all(|t| t.phases_of(kind).next().is_none())
+        {
+            return Err(Error::TooFewPhases {
+                model: "any model",
+                found: 0,
+                needed: 1,
+                unit: "phases of its kind without a leader",
+            });
+        }
+        Ok(())
+    }
+}
