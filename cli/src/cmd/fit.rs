@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use driver_model::{
-    DriverModel, ModelFile, ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord,
-    TrainingSet,
+    Behaviour, CruiseModel, DriverModel, FittedModel, FollowingKind, FollowingModel, ModelFile,
+    ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip,
 };
 use serde::Serialize;
 
@@ -21,7 +21,8 @@ use crate::render::json::Document;
 /// Fit one model and write it to a file
 ///
 /// The model learns from the acceleration phases of the logs, or from their braking phases. With logs of other drivers
-/// it learns from those, too, each of their phases with the prior weight.
+/// it learns from those, too, each of their phases with the prior weight. Models of cruising and following learn from
+/// stretches of their own kind.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
 Examples:
@@ -29,6 +30,7 @@ Examples:
   drivekit fit logs/*.csv --model inverse -o inverse.json && drivekit predict new.csv --model inverse.json
   drivekit fit anna/ --prior others/ --prior-weight 0.33 --model profile-conditioned -o anna.json
   drivekit fit logs/ --model rise-time --phase braking -o braking.json
+  drivekit fit logs/ --model idm -o following.json
   drivekit fit logs/ --model exponential --to samples -o all.json        the second row of Table 3.6")]
 pub(crate) struct FitArgs {
     #[command(flatten)]
@@ -40,10 +42,10 @@ pub(crate) struct FitArgs {
     #[command(flatten)]
     #[serde(flatten)]
     prior: PriorArgs,
-    /// Model: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
-    /// profile-onset, or a baseline
+    /// Model of phases: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
+    /// profile-onset, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap
     #[arg(long, value_name = "KIND")]
-    model: ModelKind,
+    model: Model,
     /// Phases to learn from
     #[arg(long, value_enum, default_value_t = Phase::Acceleration, value_name = "KIND")]
     phase: Phase,
@@ -54,6 +56,50 @@ pub(crate) struct FitArgs {
     #[arg(short, long, value_name = "FILE.json")]
     #[serde(skip)]
     output: PathBuf,
+}
+
+/// Any model that can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Model {
+    Phase(ModelKind),
+    Following(FollowingKind),
+    Cruise,
+}
+
+impl Serialize for Model {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl Model {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Phase(kind) => kind.name(),
+            Self::Following(kind) => kind.name(),
+            Self::Cruise => "cruise",
+        }
+    }
+}
+
+impl std::str::FromStr for Model {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "cruise" {
+            return Ok(Self::Cruise);
+        }
+        let following = FollowingKind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == text);
+        match following {
+            Some(kind) => Ok(Self::Following(kind)),
+            None => text
+                .parse()
+                .map(Self::Phase)
+                .map_err(|known: String| format!("{known}, cruise, idm, constant-time-gap")),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
@@ -72,6 +118,16 @@ enum Points {
     Samples,
 }
 
+/// A fitted model with what it was fitted to.
+struct Fitted {
+    behaviour: Behaviour,
+    model: FittedModel,
+    phases: usize,
+    points: usize,
+    /// Of functions of speed.
+    residual_sum_of_squares: Option<f64>,
+}
+
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
     output::check_file_place(&args.output)?;
     args.check()?;
@@ -79,26 +135,23 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
     let trips = args.phases.trips(&inputs, context)?;
     let prior_inputs = args.prior.inputs(&args.logs.reading, context)?;
     let prior = args.phases.trips(&prior_inputs, context)?;
-    let kind = args.kind();
-    let points_of = match args.to {
-        Points::Means => PointsOf::Means,
-        Points::Samples => PointsOf::Samples,
+    let fitted = match args.model {
+        Model::Phase(kind) => args.fit_phases(kind, &trips, &prior)?,
+        Model::Cruise => fit_cruise(&trips)?,
+        Model::Following(kind) => fit_following(kind, &trips)?,
     };
-    let weight = args.prior.weight();
-    let training =
-        TrainingSet::with_points(points_of, kind, &trips).with_prior(kind, &prior, weight);
     let record = TrainingRecord {
-        phases: training.phases.len(),
-        points: training.points.len(),
+        phases: fitted.phases,
+        points: fitted.points,
         inputs: hashes(&inputs),
         prior_inputs: hashes(&prior_inputs),
-        prior_weight: weight,
+        prior_weight: args.prior.weight(),
     };
-    let model = DriverModel::fit(args.model, &training)?;
-    let file = ModelFile::new(kind, model, record, serde_json::to_value(args)?);
+    let config = serde_json::to_value(args)?;
+    let file = ModelFile::new(fitted.behaviour, fitted.model, record, config);
     let json = file.to_json()?;
     output::write_file(&args.output, |out| Ok(out.write_all(json.as_bytes())?))?;
-    let residuals = file.model.residual_sum_of_squares(&training.points);
+    let residuals = fitted.residual_sum_of_squares;
     match context.format {
         Format::Json => {
             let body = Body {
@@ -115,27 +168,71 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
 }
 
 impl FitArgs {
-    fn kind(&self) -> PhaseKind {
-        match self.phase {
-            Phase::Acceleration => PhaseKind::Acceleration,
-            Phase::Braking => PhaseKind::Braking,
-        }
+    fn fit_phases(&self, model: ModelKind, own: &[Trip], prior: &[Trip]) -> anyhow::Result<Fitted> {
+        let (kind, behaviour) = match self.phase {
+            Phase::Acceleration => (PhaseKind::Acceleration, Behaviour::Acceleration),
+            Phase::Braking => (PhaseKind::Braking, Behaviour::Braking),
+        };
+        let points_of = match self.to {
+            Points::Means => PointsOf::Means,
+            Points::Samples => PointsOf::Samples,
+        };
+        let training = TrainingSet::with_points(points_of, kind, own).with_prior(
+            kind,
+            prior,
+            self.prior.weight(),
+        );
+        let model = DriverModel::fit(model, &training)?;
+        Ok(Fitted {
+            behaviour,
+            phases: training.phases.len(),
+            points: training.points.len(),
+            residual_sum_of_squares: model.residual_sum_of_squares(&training.points),
+            model: FittedModel::Phase(model),
+        })
     }
 
     fn check(&self) -> anyhow::Result<()> {
         let is_function = matches!(
             self.model,
-            ModelKind::Inverse | ModelKind::Exponential | ModelKind::ExponentialAmplitude
+            Model::Phase(
+                ModelKind::Inverse | ModelKind::Exponential | ModelKind::ExponentialAmplitude
+            )
         );
         if self.to == Points::Samples && !is_function {
             bail!(
                 "--to samples: `{}` is fitted to phases; only inverse, exponential and \
                  exponential-amplitude are functions of speed",
-                self.model
+                self.model.name()
             );
+        }
+        if self.prior.is_given() && !matches!(self.model, Model::Phase(_)) {
+            bail!("--prior: models of cruising and following learn from the logs alone");
         }
         Ok(())
     }
+}
+
+fn fit_cruise(trips: &[Trip]) -> anyhow::Result<Fitted> {
+    let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.cruise).collect();
+    Ok(Fitted {
+        behaviour: Behaviour::Cruise,
+        model: FittedModel::Cruise(CruiseModel::fit(&stretches)?),
+        phases: stretches.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+    })
+}
+
+fn fit_following(kind: FollowingKind, trips: &[Trip]) -> anyhow::Result<Fitted> {
+    let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.following).collect();
+    Ok(Fitted {
+        behaviour: Behaviour::Following,
+        model: FittedModel::Following(FollowingModel::fit(kind, &stretches)?.model),
+        phases: stretches.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+    })
 }
 
 fn hashes(inputs: &[Input]) -> Vec<TrainingInput> {
@@ -148,7 +245,7 @@ fn hashes(inputs: &[Input]) -> Vec<TrainingInput> {
 
 #[derive(Serialize)]
 struct Body<'a> {
-    model: &'a DriverModel,
+    model: &'a FittedModel,
     training_phases: usize,
     training_points: usize,
     residual_sum_of_squares: Option<f64>,
@@ -156,12 +253,22 @@ struct Body<'a> {
 
 fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> String {
     let training = &file.training;
+    let what = match file.behaviour {
+        Behaviour::Acceleration | Behaviour::Braking => {
+            format!(
+                "{} phases and {} points",
+                file.behaviour.name(),
+                training.points
+            )
+        }
+        Behaviour::Cruise | Behaviour::Following => {
+            format!("stretches of {}", file.behaviour.name())
+        }
+    };
     let mut text = format!(
-        "{} fitted to {} {} phases and {} points of {} drives",
-        args.model,
+        "{} fitted to {} {what} of {} drives",
+        file.model.name(),
         training.phases,
-        file.phase.name(),
-        training.points,
         training.inputs.len(),
     );
     if !training.prior_inputs.is_empty() {

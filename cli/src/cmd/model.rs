@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use driver_model::phase_model::{StepResponse, TransitionPoint};
-use driver_model::{DriverModel, ModelFile, PhaseKind, PhaseOutline};
+use driver_model::{
+    Behaviour, CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline,
+};
 use serde::Serialize;
 
 use crate::exit::Outcome;
@@ -46,10 +48,16 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
         output::check_file_place(path)?;
     }
     let file = read(&args.file)?;
-    let examples: Vec<Example> = outlines(file.phase)
-        .map(|outline| Example::new(&file.model, outline))
-        .collect();
+    let examples: Vec<Example> = match &file.model {
+        FittedModel::Phase(model) => outlines(file.behaviour)
+            .map(|outline| Example::new(model, outline))
+            .collect(),
+        FittedModel::Cruise(_) | FittedModel::Following(_) => Vec::new(),
+    };
     if let Some(path) = &args.plot {
+        if examples.is_empty() {
+            bail!("--plot draws models of acceleration and braking phases");
+        }
         let picture = model_svg::draw(&title(&file), &examples)?;
         output::write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
     }
@@ -80,13 +88,13 @@ struct Body<'a> {
 }
 
 /// Town, country road and motorway.
-fn outlines(kind: PhaseKind) -> impl Iterator<Item = PhaseOutline> {
+fn outlines(behaviour: Behaviour) -> impl Iterator<Item = PhaseOutline> {
     let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
     phases
         .into_iter()
         .map(move |(low_kmh, high_kmh, duration_s)| {
-            let (from, to) = match kind {
-                PhaseKind::Braking => (high_kmh, low_kmh),
+            let (from, to) = match behaviour {
+                Behaviour::Braking => (high_kmh, low_kmh),
                 _ => (low_kmh, high_kmh),
             };
             let step_s = 0.1;
@@ -101,20 +109,19 @@ fn outlines(kind: PhaseKind) -> impl Iterator<Item = PhaseOutline> {
 }
 
 fn title(file: &ModelFile) -> String {
-    format!("{}, {} phases", file.model.kind(), file.phase.name())
+    format!("{}, {}", file.model.name(), file.behaviour.name())
 }
 
 fn text(file: &ModelFile, examples: &[Example]) -> String {
     let training = &file.training;
-    let mut text = format!(
-        "{}, knows {}\n\n{}\n\n",
-        title(file),
-        file.model.kind().knows(),
-        words(file)
-    );
+    let mut text = title(file);
+    if let FittedModel::Phase(model) = &file.model {
+        let _ = write!(text, ", knows {}", model.kind().knows());
+    }
     let _ = writeln!(
         text,
-        "fitted by drivekit {} to {} phases and {} points of {} logs; prior: {} logs, weight {}\n",
+        "\n\n{}\n\nfitted by drivekit {} to {} phases or stretches and {} points of {} logs; prior: {} logs, weight {}\n",
+        words(file),
         file.version,
         training.phases,
         training.points,
@@ -122,7 +129,16 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         training.prior_inputs.len(),
         training.prior_weight,
     );
-    let mut table = Table::new([
+    match &file.model {
+        FittedModel::Phase(_) => text.push_str(&example_table(examples)),
+        FittedModel::Cruise(model) => text.push_str(&cruise_table(model)),
+        FittedModel::Following(model) => text.push_str(&gap_table(model)),
+    }
+    text
+}
+
+fn example_table(examples: &[Example]) -> String {
+    let headings = [
         "phase",
         "in s",
         "¼ T",
@@ -130,15 +146,51 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         "¾ T",
         "at the end",
         "90 % band at ½ T",
-    ]);
+    ];
+    let mut table = Table::new(headings);
     for example in examples {
         table.row(example_row(example));
     }
-    text.push_str(&table.render());
-    text.push('\n');
     let curves: Vec<&[f64]> = examples.iter().map(|e| e.speed_mps.as_slice()).collect();
-    text.push_str(&chart::speed_over_time(&curves, examples[0].outline.step_s));
-    text
+    let step_s = examples.first().map_or(1.0, |e| e.outline.step_s);
+    format!(
+        "{}\n{}",
+        table.render(),
+        chart::speed_over_time(&curves, step_s)
+    )
+}
+
+/// What is expected of a driver who passes at the limit, and how surely.
+fn cruise_table(model: &CruiseModel) -> String {
+    let mut table = Table::new([
+        "after s",
+        "expected from 50 km/h under a limit of 50",
+        "90 % within",
+    ]);
+    let limit_mps = 50.0 / 3.6;
+    for t_s in [1.0, 5.0, 10.0, 30.0, 60.0] {
+        let half_width_mps = model.half_width_90_mps(Some(limit_mps), t_s);
+        table.row([
+            number(t_s, 0),
+            number(3.6 * model.speed_mps(limit_mps, Some(limit_mps), t_s), 1),
+            format!("±{:.1}", 3.6 * half_width_mps),
+        ]);
+    }
+    table.render()
+}
+
+/// Gaps that the driver settles at behind a leader at constant speed.
+fn gap_table(model: &FollowingModel) -> String {
+    let mut table = Table::new(["behind a leader at km/h", "gap m", "headway s"]);
+    for kmh in [10.0, 30.0, 50.0, 80.0, 100.0, 120.0] {
+        let gap_m = model.equilibrium_gap_m(kmh / 3.6);
+        table.row([
+            number(kmh, 0),
+            number(gap_m, 1),
+            number(gap_m.map(|gap| gap / (kmh / 3.6)), 2),
+        ]);
+    }
+    table.render()
 }
 
 fn example_row(example: &Example) -> [String; 7] {
@@ -163,11 +215,60 @@ fn example_row(example: &Example) -> [String; 7] {
 
 /// What the parameters mean.
 pub(crate) fn words(file: &ModelFile) -> String {
-    let verb = match file.phase {
-        PhaseKind::Braking => "brakes",
+    match &file.model {
+        FittedModel::Phase(model) => phase_words(file.behaviour, model),
+        FittedModel::Cruise(model) => cruise_words(model),
+        FittedModel::Following(model) => following_words(model),
+    }
+}
+
+fn cruise_words(model: &CruiseModel) -> String {
+    let bias = model.bias.map_or_else(
+        || "No log had speed limits; the speed is expected to stay.".to_owned(),
+        |bias| {
+            format!(
+                "This driver cruises at the limit {:+.1} km/h, with {:.1} km/h from one stretch to the next.",
+                3.6 * bias.mean_mps,
+                3.6 * bias.spread_mps
+            )
+        },
+    );
+    format!(
+        "{bias}\nWithin a stretch speed varies by {:.2} km/h (standard deviation) with a correlation time of {:.1} s.",
+        3.6 * model.deviation_mps,
+        model.correlation_time_s
+    )
+}
+
+fn following_words(model: &FollowingModel) -> String {
+    match model {
+        FollowingModel::Idm {
+            idm,
+            desired_speed_mps,
+        } => format!(
+            "Headway {:.2} s beside {:.1} m at standstill; accelerates with at most {:.2} m/s², brakes comfortably with {:.2} m/s²; \
+             would drive {:.0} km/h alone.",
+            idm.time_headway_s,
+            idm.standstill_gap_m,
+            idm.max_accel_mps2,
+            idm.comfortable_decel_mps2,
+            3.6 * desired_speed_mps
+        ),
+        FollowingModel::ConstantTimeGap(law) => format!(
+            "Keeps {:.2} s beside {:.1} m at standstill, and takes {:.1} s to close a wrong gap.",
+            law.time_gap_s,
+            law.standstill_gap_m,
+            1.0 / law.gap_gain_per_s
+        ),
+    }
+}
+
+fn phase_words(behaviour: Behaviour, model: &DriverModel) -> String {
+    let verb = match behaviour {
+        Behaviour::Braking => "brakes",
         _ => "accelerates",
     };
-    match &file.model {
+    match model {
         DriverModel::Inverse(m) => {
             of_speed(verb, &format!("a = 1/({:.5} v + {:.5})", m.p1, m.p2), |v| {
                 1.0 / (m.p1 * v + m.p2)

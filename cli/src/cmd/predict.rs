@@ -1,7 +1,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use driver_model::{ModelFile, PhaseCurve, PhaseOutline, PhasePrediction};
+use driver_model::{
+    Behaviour, CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors,
+    FollowingModel, FollowingStretch, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
+};
 use serde::Serialize;
 
 use super::phases::{PhaseArgs, width_kmh};
@@ -14,7 +17,7 @@ use crate::render::table::{Table, number};
 
 /// Predict the phases of logs with a fitted model
 ///
-/// Acceleration or braking phases, whichever the model was fitted to, are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
+/// Phases or stretches of whatever the model was fitted to. Acceleration and braking phases are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
 /// speed where it takes one) and its prediction is compared with the measured speed.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
@@ -40,29 +43,46 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
     let trips = args.phases.trips(&inputs, context)?;
-    let logs: Vec<Entry> = trips
-        .iter()
-        .map(|trip| Entry {
-            name: &trip.name,
-            phases: trip
-                .phases_of(file.phase)
-                .map(|curve| PhaseEntry::new(curve, &file, args.band / 3.6))
-                .collect(),
-        })
-        .collect();
+    let (document, text) = match &file.model {
+        FittedModel::Phase(model) => {
+            let kind = match file.behaviour {
+                Behaviour::Braking => PhaseKind::Braking,
+                _ => PhaseKind::Acceleration,
+            };
+            let entry = |trip| Entry::of_phases(trip, kind, model, args.band / 3.6);
+            let logs: Vec<_> = trips.iter().map(entry).collect();
+            (serde_json::to_value(&logs)?, phase_table(&logs))
+        }
+        FittedModel::Cruise(model) => {
+            let logs: Vec<_> = trips
+                .iter()
+                .map(|trip| Entry::of_cruise(trip, model))
+                .collect();
+            (serde_json::to_value(&logs)?, cruise_table(&logs))
+        }
+        FittedModel::Following(model) => {
+            let logs: Vec<_> = trips
+                .iter()
+                .map(|trip| Entry::of_following(trip, model))
+                .collect();
+            (serde_json::to_value(&logs)?, following_table(&logs))
+        }
+    };
     match context.format {
         Format::Json => {
+            let logs = document.as_array().cloned().unwrap_or_default();
             output::print_json(&Document::new("predict", args, &inputs, Logs { logs }))?;
         }
-        Format::Text => output::print_text(&table(&logs))?,
+        Format::Text => output::print_text(&text)?,
     }
     Ok(Outcome::Done)
 }
 
+/// A log with what is predicted in it: phases, or stretches.
 #[derive(Serialize)]
-struct Entry<'a> {
+struct Entry<'a, T> {
     name: &'a str,
-    phases: Vec<PhaseEntry>,
+    phases: Vec<T>,
 }
 
 #[derive(Serialize)]
@@ -75,19 +95,140 @@ struct PhaseEntry {
     prediction: PhasePrediction,
 }
 
-impl PhaseEntry {
-    fn new(curve: &PhaseCurve, file: &ModelFile, band_mps: f64) -> Self {
-        let outline = curve.outline();
+#[derive(Serialize)]
+struct CruiseEntry {
+    start_s: f64,
+    end_s: f64,
+    limit_mps: Option<f64>,
+    start_speed_mps: f64,
+    rmse_mps: f64,
+    hold_rmse_mps: f64,
+    in_90_pct_band_pct: f64,
+}
+
+#[derive(Serialize)]
+struct FollowingEntry {
+    start_s: f64,
+    end_s: f64,
+    #[serde(flatten)]
+    errors: FollowingErrors,
+    speed_mps: Vec<f64>,
+    gap_m: Vec<f64>,
+}
+
+impl<'a> Entry<'a, PhaseEntry> {
+    fn of_phases(trip: &'a Trip, kind: PhaseKind, model: &DriverModel, band_mps: f64) -> Self {
+        let entry = |curve: &PhaseCurve| {
+            let outline = curve.outline();
+            PhaseEntry {
+                start_s: curve.start_s(),
+                end_s: curve.start_s() + outline.duration_s(),
+                prediction: PhasePrediction::new(model, curve, band_mps),
+                outline,
+            }
+        };
         Self {
-            start_s: curve.start_s(),
-            end_s: curve.start_s() + outline.duration_s(),
-            prediction: PhasePrediction::new(&file.model, curve, band_mps),
-            outline,
+            name: &trip.name,
+            phases: trip.phases_of(kind).map(entry).collect(),
         }
     }
 }
 
-fn table(logs: &[Entry]) -> String {
+impl<'a> Entry<'a, CruiseEntry> {
+    fn of_cruise(trip: &'a Trip, model: &CruiseModel) -> Self {
+        let entry = |stretch: &CruiseStretch| {
+            let errors = model.errors(stretch);
+            CruiseEntry {
+                start_s: stretch.start_s(),
+                end_s: stretch.start_s() + stretch.duration_s(),
+                limit_mps: stretch.limit_mps(),
+                start_speed_mps: stretch.speed_mps()[0],
+                rmse_mps: errors.cruise_mps,
+                hold_rmse_mps: errors.hold_mps,
+                in_90_pct_band_pct: errors.inside_pct,
+            }
+        };
+        Self {
+            name: &trip.name,
+            phases: trip.cruise.iter().map(entry).collect(),
+        }
+    }
+}
+
+impl<'a> Entry<'a, FollowingEntry> {
+    fn of_following(trip: &'a Trip, model: &FollowingModel) -> Self {
+        let entry = |stretch: &FollowingStretch| {
+            let simulated = model.simulate(stretch);
+            FollowingEntry {
+                start_s: stretch.start_s(),
+                end_s: stretch.start_s() + stretch.duration_s(),
+                errors: model.errors(stretch),
+                speed_mps: simulated.speed_mps,
+                gap_m: simulated.gap_m,
+            }
+        };
+        Self {
+            name: &trip.name,
+            phases: trip.following.iter().map(entry).collect(),
+        }
+    }
+}
+
+fn cruise_table(logs: &[Entry<'_, CruiseEntry>]) -> String {
+    let headings = [
+        "log",
+        "from s",
+        "to s",
+        "limit km/h",
+        "v0 km/h",
+        "RMSE km/h",
+        "hold km/h",
+        "in 90 % band %",
+    ];
+    let mut table = Table::new(headings);
+    for (log, stretch) in rows(logs) {
+        table.row([
+            log.to_owned(),
+            number(stretch.start_s, 1),
+            number(stretch.end_s, 1),
+            number(stretch.limit_mps.map(|v| v * 3.6), 0),
+            number(stretch.start_speed_mps * 3.6, 1),
+            number(stretch.rmse_mps * 3.6, 2),
+            number(stretch.hold_rmse_mps * 3.6, 2),
+            number(stretch.in_90_pct_band_pct, 1),
+        ]);
+    }
+    table.render()
+}
+
+fn following_table(logs: &[Entry<'_, FollowingEntry>]) -> String {
+    let mut table = Table::new([
+        "log",
+        "from s",
+        "to s",
+        "gap RMSE m",
+        "speed RMSE m/s",
+        "collisions",
+    ]);
+    for (log, stretch) in rows(logs) {
+        table.row([
+            log.to_owned(),
+            number(stretch.start_s, 1),
+            number(stretch.end_s, 1),
+            number(stretch.errors.gap_rmse_m, 2),
+            number(stretch.errors.speed_rmse_mps, 3),
+            stretch.errors.collisions.to_string(),
+        ]);
+    }
+    table.render()
+}
+
+fn rows<'a, T>(logs: &'a [Entry<'a, T>]) -> impl Iterator<Item = (&'a str, &'a T)> {
+    logs.iter()
+        .flat_map(|log| log.phases.iter().map(|phase| (log.name, phase)))
+}
+
+fn phase_table(logs: &[Entry<'_, PhaseEntry>]) -> String {
     let mut table = Table::new([
         "log",
         "from s",
@@ -98,20 +239,18 @@ fn table(logs: &[Entry]) -> String {
         "RMSE km/h",
         "in band %",
     ]);
-    for log in logs {
-        for phase in &log.phases {
-            let predicted_end = phase.prediction.speed_mps.last().copied();
-            table.row([
-                log.name.to_owned(),
-                number(phase.start_s, 1),
-                number(phase.end_s, 1),
-                number(phase.outline.start_speed_mps * 3.6, 1),
-                number(phase.outline.end_speed_mps * 3.6, 1),
-                number(predicted_end.map(|v| v * 3.6), 1),
-                number(phase.prediction.rmse_mps * 3.6, 2),
-                number(phase.prediction.in_band_pct, 1),
-            ]);
-        }
+    for (log, phase) in rows(logs) {
+        let predicted_end = phase.prediction.speed_mps.last().copied();
+        table.row([
+            log.to_owned(),
+            number(phase.start_s, 1),
+            number(phase.end_s, 1),
+            number(phase.outline.start_speed_mps * 3.6, 1),
+            number(phase.outline.end_speed_mps * 3.6, 1),
+            number(predicted_end.map(|v| v * 3.6), 1),
+            number(phase.prediction.rmse_mps * 3.6, 2),
+            number(phase.prediction.in_band_pct, 1),
+        ]);
     }
     table.render()
 }

@@ -23,6 +23,10 @@ pub(crate) struct PriorArgs {
 }
 
 impl PriorArgs {
+    pub(crate) fn is_given(&self) -> bool {
+        !self.prior.is_empty()
+    }
+
     pub(crate) fn weight(&self) -> f64 {
         self.prior_weight
     }

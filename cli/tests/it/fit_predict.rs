@@ -60,7 +60,7 @@ fn a_model_file_says_where_it_comes_from() {
     let model: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
     assert_eq!(model["schema"], "drivekit/model/2");
-    assert_eq!(model["phase"], "acceleration");
+    assert_eq!(model["behaviour"], "acceleration");
     assert_eq!(model["training"]["inputs"][0]["path"], drive);
     assert_eq!(model["config"]["min_gain"], 10.0);
 }
@@ -191,4 +191,43 @@ fn a_file_that_is_no_model_is_refused_with_its_reason() {
         drivekit(&["model", "show", file.to_str().unwrap()]).refused(&["model.json", words]);
     }
     drivekit(&["model", "show", "absent.json"]).refused(&["absent.json"]);
+}
+
+#[test]
+fn cruising_and_following_are_fitted_written_read_predicted_and_shown() {
+    let folder = TempDir::new().unwrap();
+    let drives = fixture("drives");
+    for (model, figure, words) in [
+        ("cruise", "hold_rmse_mps", "cruises at the limit"),
+        ("idm", "gap_rmse_m", "would drive"),
+        ("constant-time-gap", "gap_rmse_m", "to close a wrong gap"),
+    ] {
+        let file = folder.path().join(format!("{model}.json"));
+        let file = file.to_str().unwrap();
+        drivekit(&["fit", &drives, "--model", model, "-o", file]).ok();
+        let shown = drivekit(&["model", "show", file]).ok().stdout;
+        assert!(shown.contains(words), "{shown}");
+        let document = drivekit(&["predict", &drives, "--model", file, "--format", "json"])
+            .ok()
+            .json();
+        let logs = document["logs"].as_array().unwrap();
+        let mut stretches = logs
+            .iter()
+            .flat_map(|log| log["phases"].as_array().unwrap());
+        assert!(stretches.next().unwrap()[figure].is_number(), "{model}");
+        drivekit(&["predict", &drives, "--model", file]).ok();
+    }
+    let file = folder.path().join("prior.json");
+    let arguments = [
+        "fit",
+        &drives,
+        "--model",
+        "idm",
+        "--prior",
+        &drives,
+        "-o",
+        file.to_str().unwrap(),
+    ];
+    drivekit(&arguments).refused(&["--prior"]);
+    drivekit(&["fit", &drives, "--model", "x", "-o", "x.json"]).refused(&["profile-onset", "idm"]);
 }

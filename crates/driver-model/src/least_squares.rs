@@ -27,7 +27,7 @@ const PATIENCE: usize = 400;
 const FIRST_STEP: f64 = 1.0;
 
 /// Nearer to a bound than this, as a share of the width, a parameter may belong on it.
-const NEAR_BOUND: f64 = 0.01;
+const NEAR_BOUND: f64 = 0.05;
 
 /// Nearer than this it is at the bound, and where it does not belong there it starts again this far inside.
 const AT_BOUND: f64 = 1e-9;

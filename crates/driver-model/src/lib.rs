@@ -46,8 +46,8 @@
 //! let data = EvaluationData::by_trip(&trips);
 //! let settings = EvaluationSettings::default();
 //! let evaluation = leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})?;
-//! for (model, figures) in evaluation.models.iter().zip(&evaluation.summaries) {
-//!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", figures.rmse_mps * 3.6, figures.in_band_pct);
+//! for (model, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
+//!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", summary.figures.rmse_mps * 3.6, summary.figures.in_band_pct);
 //! }
 //! # Ok::<(), driver_model::Error>(())
 //! ```
@@ -86,8 +86,8 @@ mod training;
 mod trip;
 
 pub use cruise::{
-    Bias, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseModel, CruiseSettings, CruiseStretch,
-    CruiseSummary, cruise_stretches, evaluate_cruise,
+    Bias, CruiseErrors, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseModel, CruiseSettings,
+    CruiseStretch, CruiseSummary, cruise_stretches, evaluate_cruise,
 };
 pub use energy::{
     Auxiliaries, CalibrationReport, CalibrationScore, CalibrationTripScore, DriveEnergy,
@@ -109,7 +109,9 @@ pub use following::{
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
 pub use model::{DriverModel, ModelKind};
-pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
+pub use model_file::{
+    Behaviour, FittedModel, MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord,
+};
 pub use phase::{HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
 pub use phase_model::SpeedGroup;
 pub use prediction::PhasePrediction;

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::{DriverModel, Error, PhaseKind};
+use crate::{CruiseModel, DriverModel, Error, FollowingModel};
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/2";
@@ -22,9 +23,9 @@ pub struct TrainingInput {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingRecord {
-    /// Phases, those of other drivers included.
+    /// Phases, or stretches of cruising or following; those of other drivers included.
     pub phases: usize,
-    /// Segments, or samples where the model was fitted to samples; those of other drivers included.
+    /// Segments, or samples where the model was fitted to samples; those of other drivers included. 0 for stretches.
     pub points: usize,
     /// The driver's own logs.
     pub inputs: Vec<TrainingInput>,
@@ -34,38 +35,119 @@ pub struct TrainingRecord {
     pub prior_weight: f64,
 }
 
+/// What a driver does that a model is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Behaviour {
+    /// Acceleration phases.
+    Acceleration,
+    /// Braking phases.
+    Braking,
+    /// Holding a speed.
+    Cruise,
+    /// Keeping the distance to a vehicle ahead.
+    Following,
+}
+
+impl Behaviour {
+    /// As in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Braking => "braking",
+            Self::Cruise => "cruise",
+            Self::Following => "following",
+        }
+    }
+}
+
+/// A model of any behaviour.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum FittedModel {
+    /// Of acceleration or braking phases.
+    Phase(DriverModel),
+    /// Of cruising.
+    Cruise(CruiseModel),
+    /// Of following.
+    Following(FollowingModel),
+}
+
+impl FittedModel {
+    /// Name of the model.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Phase(model) => model.kind().name(),
+            Self::Cruise(_) => "cruise",
+            Self::Following(model) => model.kind().name(),
+        }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Phase(model) => model.check(),
+            Self::Cruise(model) => model.check(),
+            Self::Following(model) => model.check(),
+        }
+    }
+
+    fn from_value(behaviour: Behaviour, value: Value) -> serde_json::Result<Self> {
+        Ok(match behaviour {
+            Behaviour::Acceleration | Behaviour::Braking => {
+                Self::Phase(serde_json::from_value(value)?)
+            }
+            Behaviour::Cruise => Self::Cruise(serde_json::from_value(value)?),
+            Behaviour::Following => Self::Following(serde_json::from_value(value)?),
+        })
+    }
+}
+
 /// A fitted model with where it comes from, as JSON.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelFile {
     schema: String,
     units: String,
     /// Version of the program that fitted it.
     pub version: String,
-    /// Acceleration or braking.
-    pub phase: PhaseKind,
+    /// What the model is about.
+    pub behaviour: Behaviour,
     /// The model.
-    pub model: DriverModel,
+    pub model: FittedModel,
     /// What it was fitted to.
     pub training: TrainingRecord,
     /// Configuration of the fit.
-    pub config: serde_json::Value,
+    pub config: Value,
+}
+
+/// As it is read, before the behaviour says what the model is.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    schema: String,
+    units: String,
+    version: String,
+    behaviour: Behaviour,
+    model: Value,
+    training: TrainingRecord,
+    config: Value,
 }
 
 impl ModelFile {
     /// A file for a model fitted by this version of the program.
     #[must_use]
     pub fn new(
-        phase: PhaseKind,
-        model: DriverModel,
+        behaviour: Behaviour,
+        model: FittedModel,
         training: TrainingRecord,
-        config: serde_json::Value,
+        config: Value,
     ) -> Self {
         Self {
             schema: MODEL_SCHEMA.to_owned(),
             units: UNITS.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            phase,
+            behaviour,
             model,
             training,
             config,
@@ -103,21 +185,25 @@ impl ModelFile {
                 )));
             }
         }
-        let file: Self = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
-        if file.units != UNITS {
+        let raw: Raw = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+        if raw.units != UNITS {
             return Err(refuse(format!(
                 "units are `{}`, this program reads `{UNITS}`",
-                file.units
+                raw.units
             )));
         }
-        if !matches!(file.phase, PhaseKind::Acceleration | PhaseKind::Braking) {
-            return Err(refuse(format!(
-                "no model of the phase `{}`",
-                file.phase.name()
-            )));
-        }
-        file.model.check()?;
-        Ok(file)
+        let model = FittedModel::from_value(raw.behaviour, raw.model)
+            .map_err(|e| refuse(format!("the model: {e}")))?;
+        model.check()?;
+        Ok(Self {
+            schema: raw.schema,
+            units: raw.units,
+            version: raw.version,
+            behaviour: raw.behaviour,
+            model,
+            training: raw.training,
+            config: raw.config,
+        })
     }
 
     /// The file's text.

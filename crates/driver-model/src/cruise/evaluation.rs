@@ -54,9 +54,6 @@ pub struct CruiseEvaluation {
     pub folds: Vec<CruiseFold>,
 }
 
-/// Half-width of a 90 % band in standard deviations of a normal distribution.
-const NORMAL_90: f64 = 1.644_853_626_951_473;
-
 /// Holds each group out once, fits on the others and predicts the held-out stretches from their first sample and limit.
 ///
 /// # Errors
@@ -78,11 +75,7 @@ pub fn evaluate_cruise(groups: &[CruiseGroup]) -> Result<CruiseEvaluation, Error
     let mut folds = Vec::new();
     for (held_out, group) in groups.iter().enumerate() {
         let model = CruiseModel::fit(&others(held_out))?;
-        let own: Vec<Score> = group
-            .stretches
-            .iter()
-            .map(|s| Score::of(&model, s))
-            .collect();
+        let own: Vec<CruiseErrors> = group.stretches.iter().map(|s| model.errors(s)).collect();
         folds.push(CruiseFold {
             held_out: group.name.clone(),
             stretches: own.len(),
@@ -91,12 +84,12 @@ pub fn evaluate_cruise(groups: &[CruiseGroup]) -> Result<CruiseEvaluation, Error
         });
         scores.extend(own);
     }
-    let with_limit: Vec<Score> = scores
+    let with_limit: Vec<CruiseErrors> = scores
         .iter()
         .copied()
         .filter(|s| s.limit_mps.is_some())
         .collect();
-    let limited = |of: fn(&Score) -> f64, coverage| {
+    let limited = |of: fn(&CruiseErrors) -> f64, coverage| {
         (!with_limit.is_empty()).then(|| summary(&with_limit, of, coverage))
     };
     Ok(CruiseEvaluation {
@@ -110,16 +103,20 @@ pub fn evaluate_cruise(groups: &[CruiseGroup]) -> Result<CruiseEvaluation, Error
 }
 
 /// Root mean square errors on one stretch.
-#[derive(Debug, Clone, Copy)]
-struct Score {
-    cruise_mps: f64,
-    hold_mps: f64,
-    limit_mps: Option<f64>,
-    inside_pct: f64,
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CruiseErrors {
+    /// Of the cruise model.
+    pub cruise_mps: f64,
+    /// Of holding the first speed.
+    pub hold_mps: f64,
+    /// Of driving the limit; `None` without one.
+    pub limit_mps: Option<f64>,
+    /// Share of samples in the 90 % band, the first one left out.
+    pub inside_pct: f64,
 }
 
-impl Score {
-    fn of(model: &CruiseModel, stretch: &CruiseStretch) -> Self {
+impl CruiseErrors {
+    pub(super) fn of(model: &CruiseModel, stretch: &CruiseStretch) -> Self {
         let (measured, limit) = (stretch.speed_mps(), stretch.limit_mps());
         let start = measured[0];
         let rmse = |predicted: &dyn Fn(f64) -> f64| {
@@ -130,7 +127,7 @@ impl Score {
         let holds = |&k: &usize| {
             let t = k as f64 * stretch.step_s();
             let error = model.speed_mps(start, limit, t) - measured[k];
-            error.abs() <= NORMAL_90 * model.std_mps(limit, t)
+            error.abs() <= model.half_width_90_mps(limit, t)
         };
         let inside = (1..measured.len()).filter(holds).count();
         Self {
@@ -142,7 +139,7 @@ impl Score {
     }
 }
 
-fn summary(scores: &[Score], of: fn(&Score) -> f64, coverage: bool) -> CruiseSummary {
+fn summary(scores: &[CruiseErrors], of: fn(&CruiseErrors) -> f64, coverage: bool) -> CruiseSummary {
     CruiseSummary {
         stretches: scores.len(),
         rmse_mps: mean(scores.iter().map(of)).unwrap_or(f64::NAN),

@@ -14,15 +14,18 @@
 mod evaluation;
 mod stretch;
 
-pub use evaluation::{CruiseEvaluation, CruiseFold, CruiseGroup, CruiseSummary, evaluate_cruise};
+pub use evaluation::{
+    CruiseErrors, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseSummary, evaluate_cruise,
+};
 pub use stretch::{CruiseSettings, CruiseStretch, cruise_stretches};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
 /// The bias, its spread and the variation of the speed while cruising.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CruiseModel {
     /// Bias to the limit `β` and its spread between stretches `σ_b`; `None` where no stretch has a limit.
     pub bias: Option<Bias>,
@@ -35,7 +38,8 @@ pub struct CruiseModel {
 }
 
 /// Offset from the limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Bias {
     /// Mean `β`.
     pub mean_mps: f64,
@@ -110,6 +114,51 @@ impl CruiseModel {
             }
             _ => (2.0 * variance * -(-t_s / self.correlation_time_s).exp_m1()).sqrt(),
         }
+    }
+
+    /// Half-width of the band that holds nine tenths, of a normal distribution.
+    #[must_use]
+    pub fn half_width_90_mps(&self, limit_mps: Option<f64>, t_s: f64) -> f64 {
+        const NORMAL_90: f64 = 1.644_853_626_951_473;
+        NORMAL_90 * self.std_mps(limit_mps, t_s)
+    }
+
+    /// Predicts a stretch from its first speed and its limit.
+    #[must_use]
+    pub fn errors(&self, stretch: &CruiseStretch) -> CruiseErrors {
+        CruiseErrors::of(self, stretch)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let bias = self.bias.unwrap_or(Bias {
+            mean_mps: 0.0,
+            spread_mps: 0.0,
+            stretches: 0,
+        });
+        let values = [
+            ("mean_mps", bias.mean_mps, -200.0, 200.0),
+            ("spread_mps", bias.spread_mps, 0.0, 200.0),
+            ("deviation_mps", self.deviation_mps, 0.0, 200.0),
+            (
+                "correlation_time_s",
+                self.correlation_time_s,
+                SHORTEST_S,
+                LONGEST_S,
+            ),
+        ];
+        for (name, value, lowest, highest) in values {
+            // The fitted ends of the range come from powers.
+            let slack = 1e-9 * highest;
+            if !(lowest - slack..=highest + slack).contains(&value) {
+                return Err(Error::Parameter {
+                    model: "cruise",
+                    name,
+                    value,
+                    expected: format!("{lowest} to {highest}"),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// `ρ(t)`.

@@ -202,6 +202,23 @@ impl FollowingModel {
         Ok(())
     }
 
+    /// The gap in m at which the driver neither accelerates nor brakes behind a leader at constant speed; `None` where the
+    /// leader is faster than the driver wants to drive.
+    #[must_use]
+    pub fn equilibrium_gap_m(&self, speed_mps: f64) -> Option<f64> {
+        match self {
+            Self::Idm {
+                idm,
+                desired_speed_mps,
+            } => {
+                let wanted_m = idm.standstill_gap_m + speed_mps * idm.time_headway_s;
+                let left = 1.0 - (speed_mps / desired_speed_mps).powi(4);
+                (left > 0.0).then(|| wanted_m / left.sqrt())
+            }
+            Self::ConstantTimeGap(law) => Some(law.standstill_gap_m + law.time_gap_s * speed_mps),
+        }
+    }
+
     fn values(&self) -> Vec<f64> {
         match self {
             Self::Idm {

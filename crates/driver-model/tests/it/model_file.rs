@@ -1,7 +1,11 @@
 //! Model files: write, read, and refuse what is not one.
 
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
-use driver_model::{DriverModel, Error, ModelFile, PhaseKind, TrainingInput, TrainingRecord};
+use driver_model::{
+    Behaviour, Bias, CruiseModel, DriverModel, Error, FittedModel, FollowingModel, Idm, ModelFile,
+    PhaseOutline, TrainingInput, TrainingRecord,
+};
+use proptest::prelude::*;
 
 fn file(model: DriverModel) -> ModelFile {
     let input = |path: &str| TrainingInput {
@@ -16,7 +20,12 @@ fn file(model: DriverModel) -> ModelFile {
         prior_weight: 1.0 / 3.0,
     };
     let config = serde_json::json!({ "min_gain": 10.0 });
-    ModelFile::new(PhaseKind::Braking, model, training, config)
+    ModelFile::new(
+        Behaviour::Braking,
+        FittedModel::Phase(model),
+        training,
+        config,
+    )
 }
 
 fn models() -> Vec<DriverModel> {
@@ -99,7 +108,71 @@ fn a_file_of_another_version_or_program_says_what_to_do() {
     let reason = refusal(&good.replace("SI: m, s", "imperial: mi, h"));
     assert!(reason.contains("units"), "{reason}");
     let reason = refusal(&good.replace("\"braking\"", "\"cruise\""));
-    assert!(reason.contains("cruise"), "{reason}");
-    let reason = refusal(&good.replace("\"phase\"", "\"phrase\""));
-    assert!(reason.contains("phrase"), "{reason}");
+    assert!(reason.contains("the model:"), "{reason}");
+    let reason = refusal(&good.replace("\"behaviour\"", "\"behavior\""));
+    assert!(reason.contains("behavior"), "{reason}");
+}
+
+#[test]
+fn models_of_cruising_and_following_have_files_of_the_same_kind() {
+    let cruise = CruiseModel {
+        bias: Some(Bias {
+            mean_mps: 0.8,
+            spread_mps: 0.4,
+            stretches: 9,
+        }),
+        deviation_mps: 0.35,
+        correlation_time_s: 120.0,
+        stretches: 12,
+    };
+    let following = FollowingModel::Idm {
+        idm: Idm::default(),
+        desired_speed_mps: 30.0,
+    };
+    let training = file(DriverModel::Straight).training;
+    for (behaviour, model, key, lie) in [
+        (
+            Behaviour::Cruise,
+            FittedModel::Cruise(cruise),
+            "\"deviation_mps\": 0.35",
+            "\"deviation_mps\": -1",
+        ),
+        (
+            Behaviour::Following,
+            FittedModel::Following(following),
+            "30.0",
+            "9999.0",
+        ),
+    ] {
+        let written = ModelFile::new(behaviour, model, training.clone(), serde_json::json!({}));
+        let text = written.to_json().unwrap();
+        assert_eq!(ModelFile::from_json(&text).unwrap(), written);
+        assert!(text.contains(key));
+        let refused = ModelFile::from_json(&text.replace(key, lie));
+        assert!(
+            matches!(refused, Err(Error::Parameter { .. })),
+            "{refused:?}"
+        );
+    }
+}
+
+proptest! {
+    /// Whatever happens to a file, reading it ends in a model or an error, and a model that was read predicts.
+    #[test]
+    fn a_changed_byte_is_an_error_or_harmless(model in 0..4usize, place in 0.0..1.0f64, byte in 32..127u8) {
+        let mut bytes = file(models().remove(model)).to_json().unwrap().into_bytes();
+        let index = (place * bytes.len() as f64) as usize;
+        bytes[index] = byte;
+        let text = String::from_utf8_lossy(&bytes);
+        if let Ok(ModelFile { model: FittedModel::Phase(model), .. }) = ModelFile::from_json(&text) {
+            let outline = PhaseOutline {
+                start_speed_mps: 3.0,
+                end_speed_mps: 12.0,
+                step_s: 0.1,
+                samples: 60,
+                onset: None,
+            };
+            prop_assert_eq!(model.predict(&outline).len(), 60);
+        }
+    }
 }
