@@ -111,7 +111,7 @@ fn every_kind_of_driving_is_evaluated() {
     assert!(document["cruise"]["models"]["hold"]["rmse_mps"].is_number());
     assert!(document["following"]["models"]["idm"]["gap_rmse_m"].is_number());
     assert_eq!(
-        document["function_fits"]["acceleration"]
+        document["function_fits"]["acceleration"]["fits"]
             .as_array()
             .unwrap()
             .len(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{DriverModel, Error, ModelKind, PhaseKind, PointsOf, TrainingSet, Trip};
+use crate::{DriverModel, ModelKind, PhaseKind, PointsOf, TrainingSet, Trip};
 
 /// One function of speed, fitted to points of acceleration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,12 +21,10 @@ pub struct FunctionFit {
     pub model: DriverModel,
 }
 
-/// The three functions fitted to the means and to all samples of the segments of one kind; a fit with too few points is left
-/// out.
-///
-/// # Errors
-/// [`Error::Fit`] when the optimiser fails.
-pub fn function_fits(kind: PhaseKind, trips: &[Trip]) -> Result<Vec<FunctionFit>, Error> {
+/// The three functions fitted to the means and to all samples of the segments of one kind; a fit with too few points, or
+/// one that does not converge, is left out.
+#[must_use]
+pub fn function_fits(kind: PhaseKind, trips: &[Trip]) -> Vec<FunctionFit> {
     let sets = [PointsOf::Means, PointsOf::Samples]
         .map(|points_of| (points_of, TrainingSet::with_points(points_of, kind, trips)));
     let models = [
@@ -41,23 +39,17 @@ pub fn function_fits(kind: PhaseKind, trips: &[Trip]) -> Result<Vec<FunctionFit>
                 .map(move |(points_of, set)| (model, *points_of, set))
         })
         .collect();
-    let fits = jobs
-        .into_par_iter()
-        .map(|(kind, fitted_to, training)| {
-            let model = match DriverModel::fit(kind, training) {
-                Err(Error::TooFewPhases { .. }) => return Ok(None),
-                model => model?,
-            };
-            let residuals = model.residual_sum_of_squares(&training.points);
-            Ok(residuals.map(|residual_sum_of_squares| FunctionFit {
+    jobs.into_par_iter()
+        .filter_map(|(kind, fitted_to, training)| {
+            let model = DriverModel::fit(kind, training).ok()?;
+            Some(FunctionFit {
                 fitted_to,
                 points: training.points.len(),
-                residual_sum_of_squares,
+                residual_sum_of_squares: model.residual_sum_of_squares(&training.points)?,
                 model,
-            }))
+            })
         })
-        .collect::<Result<Vec<_>, Error>>()?;
-    Ok(fits.into_iter().flatten().collect())
+        .collect()
 }
 
 /// How many samples of acceleration lie in each cell of speed and acceleration.

@@ -21,11 +21,17 @@ pub(super) struct Body<'a> {
     #[serde(flatten)]
     acceleration: Kind<'a>,
     braking: Option<Kind<'a>>,
-    function_fits: BTreeMap<&'static str, &'a [FunctionFit]>,
+    function_fits: BTreeMap<&'static str, FunctionFits<'a>>,
     learning_curve: Option<&'a [LearningPoint]>,
     cruise: Option<Cruise<'a>>,
     following: Option<Following<'a>>,
     system_identification: Option<SystemIdentification<'a>>,
+}
+
+/// Functions of speed fitted to everything.
+#[derive(Serialize)]
+struct FunctionFits<'a> {
+    fits: &'a [FunctionFit],
 }
 
 /// The transition-point method on all acceleration phases.
@@ -94,7 +100,7 @@ impl<'a> Body<'a> {
             acceleration: Kind::new(&findings.acceleration),
             braking: findings.braking.as_ref().map(Kind::new),
             function_fits: fits
-                .map(|(kind, fits, _)| (kind.name(), fits.as_slice()))
+                .map(|(kind, fits, _)| (kind.name(), FunctionFits { fits }))
                 .collect(),
             learning_curve: args.learning_curve.then_some(&findings.learning),
             cruise: findings.cruise.as_ref().map(Cruise::new),
@@ -213,11 +219,9 @@ pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Tri
     }
     for (kind, fits, density) in &findings.fits {
         if !fits.is_empty() {
-            document["function_fits"][kind.name()] = json!({
-                "fits": fits,
-                "means": means(*kind, trips),
-                "density": density,
-            });
+            let entry = &mut document["function_fits"][kind.name()];
+            entry["means"] = json!(means(*kind, trips));
+            entry["density"] = json!(density);
         }
     }
     if findings.systems.is_some() {

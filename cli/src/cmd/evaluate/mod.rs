@@ -109,7 +109,7 @@ struct Findings {
     acceleration: Evaluation,
     /// `None` where no drive has a braking phase that counts.
     braking: Option<Evaluation>,
-    fits: Vec<(PhaseKind, Vec<FunctionFit>, AccelDensity)>,
+    fits: [(PhaseKind, Vec<FunctionFit>, AccelDensity); 2],
     learning: Vec<LearningPoint>,
     /// `None` where less than two units cruise.
     cruise: Option<CruiseEvaluation>,
@@ -134,8 +134,17 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
         .prior
         .trips(&args.logs.reading, &args.phases, context)?;
     let findings = args.evaluate(&inputs, &trips, &prior, &vehicle, context)?;
-    for (model, reason) in &findings.acceleration.left_out {
-        output::note(context, &format!("`{model}` is left out: {reason}"));
+    for evaluation in [Some(&findings.acceleration), findings.braking.as_ref()]
+        .into_iter()
+        .flatten()
+    {
+        for (model, reason) in &evaluation.left_out {
+            let kind = evaluation.kind.name();
+            output::note(
+                context,
+                &format!("`{model}` is left out for {kind}: {reason}"),
+            );
+        }
     }
 
     let document = Document::new(
@@ -199,8 +208,8 @@ impl EvaluateArgs {
         drop(progress);
         let following = following(&data, context)?;
         let fits = [PhaseKind::Acceleration, PhaseKind::Braking].map(|kind| {
-            let fits = function_fits(kind, trips)?;
-            Ok((kind, fits, AccelDensity::of(kind, trips)))
+            let fits = function_fits(kind, trips);
+            (kind, fits, AccelDensity::of(kind, trips))
         });
         Ok(Findings {
             acceleration,
@@ -208,7 +217,7 @@ impl EvaluateArgs {
             following,
             cruise: cruise(&data)?,
             systems: systems(trips)?,
-            fits: fits.into_iter().collect::<anyhow::Result<_>>()?,
+            fits,
             learning: if self.learning_curve {
                 learning_curve(PhaseKind::Acceleration, &data, &settings)?
             } else {

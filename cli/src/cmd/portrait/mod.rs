@@ -54,7 +54,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
     }
     let settings = args.phases.settings();
     let portrait_of = |inputs: &[Input]| {
-        let drives: Vec<_> = inputs.iter().map(|input| input.drive.clone()).collect();
+        let drives: Vec<_> = inputs.iter().map(|input| &input.drive).collect();
         Portrait::of(&drives, &vehicle, &settings)
     };
     let inputs = inputs::load(&args.logs, context)?;

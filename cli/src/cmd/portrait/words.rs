@@ -7,8 +7,13 @@ const ALIKE: f64 = 0.05;
 
 pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<String> {
     let mut sentences = vec![format!(
-        "{} drives, {:.0} km in {:.1} h.",
+        "{} {}, {:.0} km in {:.1} h.",
         driver.drives,
+        if driver.drives == 1 {
+            "drive"
+        } else {
+            "drives"
+        },
         driver.distance_m / 1e3,
         driver.duration_s / 3600.0
     )];
@@ -21,7 +26,7 @@ pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<Stri
     sentences.extend(pace("Brakes", &driver.braking, of_fleet(|f| &f.braking)));
     sentences.extend(limits(&driver.limits));
     sentences.extend(headway(driver, fleet));
-    sentences.push(smoothness(driver, fleet));
+    sentences.extend(smoothness(driver, fleet));
     sentences.extend(economy(driver, fleet));
     sentences
 }
@@ -94,9 +99,11 @@ fn headway(driver: &Portrait, fleet: Option<&Portrait>) -> Option<String> {
     ))
 }
 
-fn smoothness(driver: &Portrait, fleet: Option<&Portrait>) -> String {
+/// `None` where no drive moves.
+fn smoothness(driver: &Portrait, fleet: Option<&Portrait>) -> Option<String> {
     let own = &driver.dynamics;
-    format!(
+    let moves = own.relative_positive_accel_mps2.is_finite() && own.steady_pct.is_finite();
+    moves.then(|| format!(
         "Stops {:.1} times per km and holds a steady speed for {:.0} % of the time in motion; relative positive acceleration \
          {:.2} m/s²{}.",
         own.stops_per_km,
@@ -108,7 +115,7 @@ fn smoothness(driver: &Portrait, fleet: Option<&Portrait>) -> String {
             "livelier",
             "calmer"
         )),
-    )
+    ))
 }
 
 fn economy(driver: &Portrait, fleet: Option<&Portrait>) -> Option<String> {

@@ -97,7 +97,10 @@ impl<'a> EvaluationData<'a> {
                 model: "any model",
                 found: 0,
                 needed: 1,
-                unit: "phases of its kind without a leader",
+                unit: match kind {
+                    PhaseKind::Braking => "braking phases without a leader",
+                    _ => "acceleration phases without a leader",
+                },
             });
         }
         Ok(())

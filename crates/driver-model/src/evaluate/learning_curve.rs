@@ -48,10 +48,11 @@ impl TrainingSource {
 }
 
 /// Error over the number of own units: 1, 2, 4, … and all but one. Every unit is held out once and predicted from the units
-/// that follow it in a circle; points for which some fit has too little to learn from are left out.
+/// that follow it in a circle; points for which some fit has too little to learn from, or
+/// does not converge, are left out.
 ///
 /// # Errors
-/// As [`super::leave_one_out`], and whatever a fit fails of but too few phases.
+/// As [`super::leave_one_out`].
 pub fn learning_curve(
     kind: PhaseKind,
     data: &EvaluationData<'_>,
@@ -105,7 +106,7 @@ fn point(
             prior_weight,
         );
         let fitted = match DriverModel::fit(model, &set) {
-            Err(Error::TooFewPhases { .. }) => return Ok(None),
+            Err(Error::TooFewPhases { .. } | Error::Fit { .. }) => return Ok(None),
             fitted => fitted?,
         };
         for curve in data

@@ -175,6 +175,9 @@ impl ConditionedProfile {
                 .all(|c| c.len() == Self::KNOTS),
             self.log_spread_coefficients.len() == centres,
             self.bands.iter().all(|b| b.half_width.len() == Self::KNOTS),
+            self.bands
+                .windows(2)
+                .all(|b| b[0].level_pct < b[1].level_pct),
         ];
         let lists_fit = sizes.into_iter().all(|fits| fits);
         super::parameter(

@@ -9,6 +9,7 @@ mod pace;
 
 use drive_log::Drive;
 use ev_energy::Vehicle;
+use rayon::prelude::*;
 use serde::Serialize;
 
 pub use cruise::LimitKeeping;
@@ -49,11 +50,10 @@ impl Portrait {
     /// # Errors
     /// Whatever segmentation and the vehicle model refuse.
     pub fn of(
-        drives: &[Drive],
+        drives: &[&Drive],
         vehicle: &Vehicle,
         settings: &PhaseSettings,
     ) -> Result<Self, Error> {
-        use rayon::prelude::*;
         let trips = drives
             .par_iter()
             .map(|drive| Trip::from_drive(drive, settings))
