@@ -56,7 +56,7 @@ const OPTIONS: [&str; 14] = [
     "--virtual-time-budget=1000000000",
     "--dump-dom",
 ];
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(240);
 
 #[test]
 fn browser_finds_nothing_wrong_with_the_pages() {
