@@ -145,7 +145,11 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         points: fitted.points,
         inputs: hashes(&inputs),
         prior_inputs: hashes(&prior_inputs),
-        prior_weight: args.prior.weight(),
+        prior_weight: if args.prior.is_given() {
+            args.prior.weight()
+        } else {
+            0.0
+        },
     };
     let config = serde_json::to_value(args)?;
     let file = ModelFile::new(fitted.behaviour, fitted.model, record, config);

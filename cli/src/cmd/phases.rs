@@ -1,4 +1,4 @@
-//! Flags that say which acceleration phases count, shared by `fit`, `predict` and `evaluate`.
+//! Flags that say which phases count, shared by `fit`, `predict` and `evaluate`.
 
 use clap::Args;
 use driver_model::{PhaseSettings, Trip};
@@ -12,10 +12,10 @@ use crate::progress::Progress;
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Phases")]
 pub(crate) struct PhaseArgs {
-    /// Shortest acceleration phase that counts, in s
+    /// Shortest acceleration or braking phase that counts, in s
     #[arg(long, default_value_t = 3.0, value_name = "S")]
     pub(crate) min_duration: f64,
-    /// Least gain in speed of an acceleration phase that counts, in km/h
+    /// Least change of speed of a phase that counts, in km/h
     #[arg(long, default_value_t = 10.0, value_name = "KM/H")]
     pub(crate) min_gain: f64,
     /// Acceleration under this magnitude counts as 0 in the segmentation, in m/s²

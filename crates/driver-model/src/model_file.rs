@@ -31,7 +31,7 @@ pub struct TrainingRecord {
     pub inputs: Vec<TrainingInput>,
     /// Logs of other drivers.
     pub prior_inputs: Vec<TrainingInput>,
-    /// Weight of a phase of other drivers beside 1 for an own one.
+    /// Weight of a phase of other drivers beside 1 for an own one; 0 without such logs.
     pub prior_weight: f64,
 }
 
