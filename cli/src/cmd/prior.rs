@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use driver_model::Trip;
+use driver_model::{DEFAULT_PRIOR_WEIGHT, Trip};
 use serde::Serialize;
 
 use super::phases::PhaseArgs;
@@ -18,7 +18,7 @@ pub(crate) struct PriorArgs {
     #[serde(skip)]
     prior: Vec<PathBuf>,
     /// Weight of a phase of other drivers beside 1 for an own one; 0 is the own data alone, 1 treats all alike
-    #[arg(long, default_value_t = 0.33, value_parser = weight, value_name = "W")]
+    #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = weight, value_name = "W")]
     prior_weight: f64,
 }
 

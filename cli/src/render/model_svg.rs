@@ -1,5 +1,6 @@
 //! The phases that a model predicts, as an SVG picture.
 
+use driver_model::phase_model::PredictiveBand;
 use driver_model::{DriverModel, PhaseOutline};
 use plotters::prelude::*;
 use serde::Serialize;
@@ -25,13 +26,10 @@ pub(crate) struct Example {
 
 impl Example {
     pub(crate) fn new(model: &DriverModel, outline: PhaseOutline) -> Self {
-        let bands = model.bands(&outline).into_iter();
+        let bands = model.bands(&outline);
         Self {
             speed_mps: model.predict(&outline),
-            half_width_mps: bands
-                .filter(|b| b.level_pct >= 90.0)
-                .map(|b| b.half_width_mps)
-                .next(),
+            half_width_mps: PredictiveBand::of_90_pct(&bands).map(|b| b.half_width_mps.clone()),
             outline,
         }
     }

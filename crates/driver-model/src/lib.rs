@@ -96,9 +96,9 @@ pub use energy::{
 };
 pub use error::Error;
 pub use evaluate::{
-    BandCoverage, EnergyError, EvaluatedPhase, Evaluation, EvaluationData, EvaluationSettings,
-    Figures, Fold, LearningPoint, PairedComparison, Summary, TrainingSource, Verdict,
-    learning_curve, leave_one_out,
+    BandCoverage, DEFAULT_PRIOR_WEIGHT, EnergyError, EvaluatedPhase, Evaluation, EvaluationData,
+    EvaluationSettings, Figures, Fold, LearningPoint, PairedComparison, Summary, TrainingSource,
+    Verdict, learning_curve, leave_one_out,
 };
 pub use following::{
     ConstantTimeGap, FollowingErrors, FollowingEvaluation, FollowingFit, FollowingFold,

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use driver_model::phase_model::{GroupResponse, StepResponse, identify};
+use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
 use driver_model::{
-    BandCoverage, CruiseEvaluation, CruiseFold, CruiseModel, CruiseSummary, DriverModel,
-    EvaluatedPhase, Evaluation, Fold, FollowingEvaluation, FollowingFold, FollowingGroup,
-    FollowingKind, FollowingModel, FollowingSummary, FunctionFit, LearningPoint, PairedComparison,
-    PairedDifference, PerFollowingModel, PhaseKind, PhasePrediction, ScoredStretch, Summary, Trip,
+    AccelDensity, BandCoverage, CruiseEvaluation, CruiseFold, CruiseModel, CruiseSummary,
+    DriverModel, EvaluatedPhase, Evaluation, Fold, FollowingEvaluation, FollowingFold,
+    FollowingGroup, FollowingKind, FollowingModel, FollowingSummary, FunctionFit, LearningPoint,
+    PairedComparison, PairedDifference, PerFollowingModel, PhaseKind, PhasePrediction,
+    ScoredStretch, Summary, Trip,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -94,13 +95,13 @@ struct FoldEntry<'a> {
 
 impl<'a> Body<'a> {
     pub(super) fn new(args: &EvaluateArgs, findings: &'a Findings) -> Self {
-        let fits = findings.fits.iter().filter(|(_, fits, _)| !fits.is_empty());
+        let fits = findings.fits.iter().filter(|(_, fits)| !fits.is_empty());
         Self {
             hold_out: args.hold_out,
             acceleration: Kind::new(&findings.acceleration),
             braking: findings.braking.as_ref().map(Kind::new),
             function_fits: fits
-                .map(|(kind, fits, _)| (kind.name(), FunctionFits { fits }))
+                .map(|(kind, fits)| (kind.name(), FunctionFits { fits }))
                 .collect(),
             learning_curve: args.learning_curve.then_some(&findings.learning),
             cruise: findings.cruise.as_ref().map(Cruise::new),
@@ -217,11 +218,11 @@ pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Tri
     if let Some(braking) = &findings.braking {
         document["braking"]["phases"] = phases(braking);
     }
-    for (kind, fits, density) in &findings.fits {
+    for (kind, fits) in &findings.fits {
         if !fits.is_empty() {
             let entry = &mut document["function_fits"][kind.name()];
             entry["means"] = json!(means(*kind, trips));
-            entry["density"] = json!(density);
+            entry["density"] = json!(AccelDensity::of(*kind, trips));
         }
     }
     if findings.systems.is_some() {
@@ -320,7 +321,7 @@ fn prediction(p: &PhasePrediction, energy_j: f64) -> Value {
         "in_band_pct": p.in_band_pct,
         "sqrt_sse_per_sample_mps": p.sqrt_sse_per_sample_mps,
     });
-    if let Some(band) = p.bands.iter().find(|b| b.level_pct >= 90.0) {
+    if let Some(band) = PredictiveBand::of_90_pct(&p.bands) {
         let edge = |sign: f64| -> Vec<f64> {
             let speeds = p.speed_mps.iter().zip(&band.half_width_mps);
             speeds.map(|(v, w)| to_hundredths(v + sign * w)).collect()

@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use driver_model::phase_model::TransitionPoint;
 use driver_model::{
-    AccelDensity, CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings,
-    FollowingEvaluation, FollowingGroup, FunctionFit, LearningPoint, ModelKind, PhaseKind,
-    TrainingSet, Trip, evaluate_cruise, evaluate_following, function_fits, learning_curve,
-    leave_one_out,
+    CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings, FollowingEvaluation,
+    FollowingGroup, FunctionFit, LearningPoint, ModelKind, PhaseKind, TrainingSet, Trip,
+    evaluate_cruise, evaluate_following, function_fits, learning_curve, leave_one_out,
 };
 use serde::Serialize;
 
@@ -109,7 +108,7 @@ struct Findings {
     acceleration: Evaluation,
     /// `None` where no drive has a braking phase that counts.
     braking: Option<Evaluation>,
-    fits: [(PhaseKind, Vec<FunctionFit>, AccelDensity); 2],
+    fits: [(PhaseKind, Vec<FunctionFit>); 2],
     learning: Vec<LearningPoint>,
     /// `None` where less than two units cruise.
     cruise: Option<CruiseEvaluation>,
@@ -207,17 +206,14 @@ impl EvaluateArgs {
         let braking = brakes.then(|| evaluate(PhaseKind::Braking)).transpose()?;
         drop(progress);
         let following = following(&data, context)?;
-        let fits = [PhaseKind::Acceleration, PhaseKind::Braking].map(|kind| {
-            let fits = function_fits(kind, trips);
-            (kind, fits, AccelDensity::of(kind, trips))
-        });
         Ok(Findings {
             acceleration,
             braking,
             following,
             cruise: cruise(&data)?,
             systems: systems(trips)?,
-            fits,
+            fits: [PhaseKind::Acceleration, PhaseKind::Braking]
+                .map(|kind| (kind, function_fits(kind, trips))),
             learning: if self.learning_curve {
                 learning_curve(PhaseKind::Acceleration, &data, &settings)?
             } else {

@@ -140,7 +140,7 @@ fn paired(evaluation: &Evaluation) -> String {
     let pairs: Vec<_> = evaluation
         .paired
         .iter()
-        .filter(|pair| pair.model == best || pair.against == best)
+        .filter_map(|pair| pair.seen_from(best))
         .collect();
     let Some(units) = pairs.first().map(|pair| pair.units) else {
         return String::new();
@@ -154,7 +154,7 @@ fn paired(evaluation: &Evaluation) -> String {
         "verdict",
     ]);
     for pair in pairs {
-        table.row(paired_row(pair, best));
+        table.row(paired_row(&pair));
     }
     format!(
         "\n{best} less the other models, mean over phases, intervals over {units} held-out units\n\n{}",
@@ -162,30 +162,14 @@ fn paired(evaluation: &Evaluation) -> String {
     )
 }
 
-fn paired_row(pair: &PairedComparison, best: ModelKind) -> [String; 6] {
-    let is_first = pair.model == best;
-    let (other, low, high) = if is_first {
-        (pair.against, pair.low_mps, pair.high_mps)
-    } else {
-        (pair.model, -pair.high_mps, -pair.low_mps)
-    };
-    let better = if is_first {
-        pair.better_units
-    } else {
-        pair.units - pair.better_units
-    };
-    let verdict = match () {
-        () if high < 0.0 => "better",
-        () if low > 0.0 => "worse",
-        () => "no clear difference",
-    };
+fn paired_row(pair: &PairedComparison) -> [String; 6] {
     [
-        other.name().to_owned(),
-        number(1.8 * (low + high), 3),
-        number(3.6 * low, 3),
-        number(3.6 * high, 3),
-        format!("{better} of {}", pair.units),
-        verdict.to_owned(),
+        pair.against.name().to_owned(),
+        number(3.6 * pair.difference_rmse_mps, 3),
+        number(3.6 * pair.low_mps, 3),
+        number(3.6 * pair.high_mps, 3),
+        format!("{} of {}", pair.better_units, pair.units),
+        pair.verdict.name().to_owned(),
     ]
 }
 
@@ -252,15 +236,16 @@ fn cruise(evaluation: &CruiseEvaluation) -> String {
             format!("limit {mean:+.1} km/h, {spread:.1} km/h from stretch to stretch")
         },
     );
-    let variation = if model.is_random_walk() {
-        let per_root_second = model.deviation_mps * (2.0 / model.correlation_time_s).sqrt();
-        format!(
+    let variation = match model.random_walk_mps() {
+        Some(step_mps) => format!(
             "wanders like a random walk, {:.2} km/h in a second",
-            3.6 * per_root_second
-        )
-    } else {
-        let (deviation, time) = (3.6 * model.deviation_mps, model.correlation_time_s);
-        format!("deviation {deviation:.2} km/h, correlated over {time:.1} s")
+            3.6 * step_mps
+        ),
+        None => format!(
+            "deviation {:.2} km/h, correlated over {:.1} s",
+            3.6 * model.deviation_mps,
+            model.correlation_time_s
+        ),
     };
     format!(
         "\ncruising, {} units, each held out\n\n{}\n{bias}; {variation}\n",

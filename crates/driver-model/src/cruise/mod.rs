@@ -83,10 +83,12 @@ impl CruiseModel {
         })
     }
 
-    /// Whether the correlation time is longer than the stretches tell: only `σ²/τ`, the slope of a random walk, is determined then.
+    /// `√(2σ²/τ)`, the deviation after a second, where the correlation time is longer than the stretches tell: only this, the
+    /// pace of a random walk, is determined then.
     #[must_use]
-    pub fn is_random_walk(&self) -> bool {
-        self.correlation_time_s > 0.99 * LONGEST_S
+    pub fn random_walk_mps(&self) -> Option<f64> {
+        let is_one = self.correlation_time_s > 0.99 * LONGEST_S;
+        is_one.then(|| self.deviation_mps * (2.0 / self.correlation_time_s).sqrt())
     }
 
     /// Expected speed at `t_s` after a stretch began at `start_speed_mps`.

@@ -51,27 +51,36 @@ impl<'a> EvaluationData<'a> {
     /// Stretches behind a leader, by unit.
     #[must_use]
     pub fn following_groups(&self) -> Vec<FollowingGroup> {
-        let group = |(unit, name): (usize, &String)| FollowingGroup {
-            name: name.clone(),
-            stretches: self
-                .trips_where(|u| u == unit)
-                .flat_map(|trip| trip.following.iter().cloned())
-                .collect(),
-        };
-        self.units.iter().enumerate().map(group).collect()
+        let units = self
+            .units
+            .iter()
+            .zip(self.stretches(|trip| &trip.following));
+        units
+            .map(|(name, stretches)| FollowingGroup {
+                name: name.clone(),
+                stretches,
+            })
+            .collect()
     }
 
     /// Stretches of cruising, by unit.
     #[must_use]
     pub fn cruise_groups(&self) -> Vec<CruiseGroup> {
-        let group = |(unit, name): (usize, &String)| CruiseGroup {
-            name: name.clone(),
-            stretches: self
-                .trips_where(|u| u == unit)
-                .flat_map(|trip| trip.cruise.iter().cloned())
-                .collect(),
-        };
-        self.units.iter().enumerate().map(group).collect()
+        let units = self.units.iter().zip(self.stretches(|trip| &trip.cruise));
+        units
+            .map(|(name, stretches)| CruiseGroup {
+                name: name.clone(),
+                stretches,
+            })
+            .collect()
+    }
+
+    fn stretches<T: Clone>(&self, of: fn(&Trip) -> &[T]) -> Vec<Vec<T>> {
+        let mut units = vec![Vec::new(); self.units.len()];
+        for (trip, &unit) in self.trips.iter().zip(&self.unit_of) {
+            units[unit].extend_from_slice(of(trip));
+        }
+        units
     }
 
     pub(super) fn trips_where(

@@ -20,6 +20,9 @@ pub use paired::{PairedComparison, Verdict};
 use summary::summarise;
 pub use summary::{EnergyError, Figures, Summary};
 
+/// Weight of a phase of other drivers beside 1 for an own one: own phases count three times.
+pub const DEFAULT_PRIOR_WEIGHT: f64 = 0.33;
+
 /// What is evaluated, and how it is judged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
@@ -27,7 +30,7 @@ pub struct EvaluationSettings {
     pub models: Vec<ModelKind>,
     /// Full width of the band around the measured speed; 3 km/h.
     pub band_mps: f64,
-    /// Weight of a phase of other drivers beside 1 for an own one; a third.
+    /// Weight of a phase of other drivers beside 1 for an own one; [`DEFAULT_PRIOR_WEIGHT`].
     pub prior_weight: f64,
 }
 
@@ -36,7 +39,7 @@ impl Default for EvaluationSettings {
         Self {
             models: ModelKind::ALL.to_vec(),
             band_mps: 3.0 / 3.6,
-            prior_weight: 1.0 / 3.0,
+            prior_weight: DEFAULT_PRIOR_WEIGHT,
         }
     }
 }
@@ -118,7 +121,7 @@ pub struct Evaluation {
 /// out, and said.
 ///
 /// # Errors
-/// [`Error::TooFewTrips`] below two units, [`Error::TooFewPhases`] when no trip has a phase or nothing is left to learn from.
+/// [`Error::TooFewTrips`] below two units, [`Error::TooFewPhases`] when no trip has a phase, [`Error::Energy`] from the vehicle.
 pub fn leave_one_out(
     kind: PhaseKind,
     data: &EvaluationData<'_>,
@@ -180,7 +183,7 @@ type Predicted = Vec<(PhasePrediction, f64)>;
 /// What is learnt from holding out one unit.
 struct HeldOut {
     phases: Vec<EvaluatedPhase>,
-    /// In the order asked for.
+    /// In the order asked for; an error where a model could not be fitted.
     models: Vec<Result<(Fold, Predicted), Error>>,
 }
 
@@ -214,8 +217,13 @@ fn hold_out(
         .collect::<Result<Vec<_>, Error>>()?;
     let models = models
         .iter()
-        .map(|&model| fold(unit, model, &training, &phases, vehicle, settings))
-        .collect();
+        .map(
+            |&model| match fold(unit, model, &training, &phases, vehicle, settings) {
+                Err(error @ (Error::TooFewPhases { .. } | Error::Fit { .. })) => Ok(Err(error)),
+                outcome => outcome.map(Ok),
+            },
+        )
+        .collect::<Result<_, Error>>()?;
     Ok(HeldOut { phases, models })
 }
 

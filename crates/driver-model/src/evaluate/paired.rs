@@ -28,8 +28,31 @@ pub struct PairedComparison {
     pub high_mps: f64,
     /// Units in which the first is better.
     pub better_units: usize,
+    /// Units in which it is worse.
+    pub worse_units: usize,
     /// What the interval says.
     pub verdict: Verdict,
+}
+
+impl PairedComparison {
+    /// The same with this model as the first; `None` where it is neither.
+    #[must_use]
+    pub fn seen_from(&self, model: ModelKind) -> Option<Self> {
+        if self.model == model {
+            return Some(self.clone());
+        }
+        (self.against == model).then(|| Self {
+            model: self.against,
+            against: self.model,
+            difference_rmse_mps: -self.difference_rmse_mps,
+            low_mps: -self.high_mps,
+            high_mps: -self.low_mps,
+            better_units: self.worse_units,
+            worse_units: self.better_units,
+            verdict: self.verdict.opposite(),
+            ..*self
+        })
+    }
 }
 
 /// Whether a difference is more than chance, at 95 %.
@@ -47,6 +70,14 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    fn opposite(self) -> Self {
+        match self {
+            Self::Better => Self::Worse,
+            Self::Worse => Self::Better,
+            Self::Unclear => Self::Unclear,
+        }
+    }
+
     /// As in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -104,6 +135,7 @@ fn compare(
         low_mps,
         high_mps,
         better_units: units.values().filter(|u| u.0 < 0.0).count(),
+        worse_units: units.values().filter(|u| u.0 > 0.0).count(),
         verdict: match () {
             () if high_mps < 0.0 => Verdict::Better,
             () if low_mps > 0.0 => Verdict::Worse,
@@ -150,6 +182,22 @@ mod tests {
             let found = t_quantile_975(degrees);
             assert!((found / quantile - 1.0).abs() < 2e-3, "{degrees}: {found}");
         }
+    }
+
+    #[test]
+    fn seen_from_the_other_model_everything_turns_round() {
+        let differences = [(0, -1.0), (1, -2.0), (2, 0.5), (3, 0.0)];
+        let pair = compare(
+            ModelKind::Profile,
+            ModelKind::Straight,
+            differences.into_iter(),
+        )
+        .unwrap();
+        let other = pair.seen_from(ModelKind::Straight).unwrap();
+        assert_eq!((other.better_units, other.worse_units), (1, 2));
+        assert!((other.low_mps + pair.high_mps).abs() < 1e-12);
+        assert_eq!(other.seen_from(ModelKind::Profile).as_ref(), Some(&pair));
+        assert_eq!(pair.seen_from(ModelKind::Inverse), None);
     }
 
     #[test]

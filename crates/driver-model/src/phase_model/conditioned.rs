@@ -47,6 +47,14 @@ pub struct PredictiveBand {
     pub half_width_mps: Vec<f64>,
 }
 
+impl PredictiveBand {
+    /// The first of rising bands that holds at least 90 %.
+    #[must_use]
+    pub fn of_90_pct(bands: &[Self]) -> Option<&Self> {
+        bands.iter().find(|band| band.level_pct >= 90.0)
+    }
+}
+
 /// What a conditioned profile is told beside `v0`, `v_end` and `T`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Conditioning {

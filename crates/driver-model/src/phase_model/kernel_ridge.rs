@@ -171,19 +171,22 @@ impl Regression {
 
     /// Coefficients, centres by columns of the response.
     pub(super) fn coefficients(&self, response: &DMatrix<f64>) -> DMatrix<f64> {
-        self.whole.solve(&self.moment(response, |_| true))
+        let all: Vec<usize> = (0..response.nrows()).collect();
+        self.whole.solve(&self.moment(response, &all))
     }
 
     /// Every point predicted without its block.
     pub(super) fn held_out(&self, response: &DMatrix<f64>) -> DMatrix<f64> {
+        let moments: Vec<DMatrix<f64>> = self
+            .blocks
+            .iter()
+            .map(|block| self.moment(response, block))
+            .collect();
+        let zero = DMatrix::zeros(self.values.ncols(), response.ncols());
+        let total = moments.iter().fold(zero, |sum, moment| sum + moment);
         let mut predicted = DMatrix::zeros(response.nrows(), response.ncols());
-        let mut block_of = vec![0; response.nrows()];
-        for (number, block) in self.blocks.iter().enumerate() {
-            block.iter().for_each(|&i| block_of[i] = number);
-        }
-        for (number, (block, cholesky)) in self.blocks.iter().zip(&self.without).enumerate() {
-            let coefficients = cholesky.solve(&self.moment(response, |i| block_of[i] != number));
-            let rows = self.values.select_rows(block) * coefficients;
+        for ((block, moment), without) in self.blocks.iter().zip(&moments).zip(&self.without) {
+            let rows = self.values.select_rows(block) * without.solve(&(&total - moment));
             for (row, &i) in block.iter().enumerate() {
                 predicted.row_mut(i).copy_from(&rows.row(row));
             }
@@ -192,12 +195,12 @@ impl Regression {
     }
 
     /// `Σ w_i k(x_i) y_iᵀ` over some points.
-    fn moment(&self, response: &DMatrix<f64>, counts: impl Fn(usize) -> bool) -> DMatrix<f64> {
-        let mut weighted = response.clone();
-        for (i, mut row) in weighted.row_iter_mut().enumerate() {
-            row *= if counts(i) { self.weights[i] } else { 0.0 };
+    fn moment(&self, response: &DMatrix<f64>, points: &[usize]) -> DMatrix<f64> {
+        let mut weighted = response.select_rows(points);
+        for (mut row, &i) in weighted.row_iter_mut().zip(points) {
+            row *= self.weights[i];
         }
-        self.values.tr_mul(&weighted)
+        self.values.select_rows(points).tr_mul(&weighted)
     }
 }
 

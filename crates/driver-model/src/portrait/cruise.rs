@@ -1,10 +1,9 @@
 use std::collections::BTreeMap;
 
-use drive_log::{Channel, DriveLog};
 use serde::Serialize;
 
 use super::Distribution;
-use crate::{Error, PhaseKind, PhaseSettings};
+use crate::Trip;
 
 /// Speed against one limit while cruising without a leader.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -17,42 +16,28 @@ pub struct LimitKeeping {
     pub excess_mps: Distribution,
 }
 
-/// Limits with less cruising than this are left out.
-const LEAST_S: f64 = 10.0;
-
-/// By rising limit.
-pub(super) fn limit_keeping(
-    logs: &[&DriveLog],
-    settings: &PhaseSettings,
-) -> Result<Vec<LimitKeeping>, Error> {
+/// By rising limit, from the stretches of cruising.
+pub(super) fn limit_keeping(trips: &[Trip]) -> Vec<LimitKeeping> {
     let mut by_limit = BTreeMap::<i64, (f64, Vec<f64>)>::new();
-    for log in logs {
-        let Some(limit_mps) = log.channel(Channel::SpeedLimit) else {
-            continue;
-        };
-        for phase in settings.heuristic.segment(log)?.phases {
-            if phase.kind != PhaseKind::Cruise || phase.lead_influenced {
-                continue;
-            }
-            let range = phase.start..phase.end;
-            let speed_mps = &log.speed_mps()[range.clone()];
-            for (&limit, &speed) in limit_mps[range].iter().zip(speed_mps) {
-                if limit.is_finite() && limit < 100.0 {
-                    let entry = by_limit.entry((3.6 * limit).round() as i64).or_default();
-                    entry.0 += log.step_s();
-                    entry.1.push(speed - limit);
-                }
-            }
+    for stretch in trips.iter().flat_map(|trip| &trip.cruise) {
+        if let Some(limit_mps) = stretch.limit_mps() {
+            let entry = by_limit
+                .entry((3.6 * limit_mps).round() as i64)
+                .or_default();
+            entry.0 += stretch.duration_s();
+            entry
+                .1
+                .extend(stretch.speed_mps().iter().map(|v| v - limit_mps));
         }
     }
     let entries = by_limit
         .into_iter()
         .filter_map(|(kmh, (duration_s, excess))| {
-            (duration_s >= LEAST_S).then_some(LimitKeeping {
+            Some(LimitKeeping {
                 limit_mps: kmh as f64 / 3.6,
                 duration_s,
                 excess_mps: Distribution::of(excess)?,
             })
         });
-    Ok(entries.collect())
+    entries.collect()
 }

@@ -70,7 +70,7 @@ impl Portrait {
                 .sum(),
             acceleration: AccelOverSpeed::of(PhaseKind::Acceleration, &trips),
             braking: AccelOverSpeed::of(PhaseKind::Braking, &trips),
-            limits: cruise::limit_keeping(&all, settings)?,
+            limits: cruise::limit_keeping(&trips),
             headway: Headway::of(&all),
             dynamics: Dynamics::of(&all),
             economy: Economy::of(&all, vehicle, settings.slope_bandwidth_m)?,

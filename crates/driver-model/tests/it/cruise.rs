@@ -73,7 +73,7 @@ fn bias_spread_deviation_and_correlation_are_found_again() {
         (model.correlation_time_s / CORRELATION_S - 1.0).abs() < 0.3,
         "{model:?}"
     );
-    assert!(!model.is_random_walk());
+    assert_eq!(model.random_walk_mps(), None);
 }
 
 #[test]
