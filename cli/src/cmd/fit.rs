@@ -120,7 +120,6 @@ enum Points {
 
 /// A fitted model with what it was fitted to.
 struct Fitted {
-    behaviour: Behaviour,
     model: FittedModel,
     phases: usize,
     points: usize,
@@ -152,7 +151,7 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         },
     };
     let config = serde_json::to_value(args)?;
-    let file = ModelFile::new(fitted.behaviour, fitted.model, record, config);
+    let file = ModelFile::new(fitted.model, record, config);
     let json = file.to_json()?;
     output::write_file(&args.output, |out| Ok(out.write_all(json.as_bytes())?))?;
     let residuals = fitted.residual_sum_of_squares;
@@ -173,9 +172,9 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
 
 impl FitArgs {
     fn fit_phases(&self, model: ModelKind, own: &[Trip], prior: &[Trip]) -> anyhow::Result<Fitted> {
-        let (kind, behaviour) = match self.phase {
-            Phase::Acceleration => (PhaseKind::Acceleration, Behaviour::Acceleration),
-            Phase::Braking => (PhaseKind::Braking, Behaviour::Braking),
+        let kind = match self.phase {
+            Phase::Acceleration => PhaseKind::Acceleration,
+            Phase::Braking => PhaseKind::Braking,
         };
         let points_of = match self.to {
             Points::Means => PointsOf::Means,
@@ -188,11 +187,13 @@ impl FitArgs {
         );
         let model = DriverModel::fit(model, &training)?;
         Ok(Fitted {
-            behaviour,
             phases: training.phases.len(),
             points: training.points.len(),
             residual_sum_of_squares: model.residual_sum_of_squares(&training.points),
-            model: FittedModel::Phase(model),
+            model: match self.phase {
+                Phase::Acceleration => FittedModel::Acceleration(model),
+                Phase::Braking => FittedModel::Braking(model),
+            },
         })
     }
 
@@ -220,7 +221,6 @@ impl FitArgs {
 fn fit_cruise(trips: &[Trip]) -> anyhow::Result<Fitted> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.cruise).collect();
     Ok(Fitted {
-        behaviour: Behaviour::Cruise,
         model: FittedModel::Cruise(CruiseModel::fit(&stretches)?),
         phases: stretches.len(),
         points: 0,
@@ -231,7 +231,6 @@ fn fit_cruise(trips: &[Trip]) -> anyhow::Result<Fitted> {
 fn fit_following(kind: FollowingKind, trips: &[Trip]) -> anyhow::Result<Fitted> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.following).collect();
     Ok(Fitted {
-        behaviour: Behaviour::Following,
         model: FittedModel::Following(FollowingModel::fit(kind, &stretches)?.model),
         phases: stretches.len(),
         points: 0,
@@ -257,16 +256,13 @@ struct Body<'a> {
 
 fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> String {
     let training = &file.training;
-    let what = match file.behaviour {
+    let behaviour = file.model.behaviour();
+    let what = match behaviour {
         Behaviour::Acceleration | Behaviour::Braking => {
-            format!(
-                "{} phases and {} points",
-                file.behaviour.name(),
-                training.points
-            )
+            format!("{} phases and {} points", behaviour.name(), training.points)
         }
         Behaviour::Cruise | Behaviour::Following => {
-            format!("stretches of {}", file.behaviour.name())
+            format!("stretches of {}", behaviour.name())
         }
     };
     let mut text = format!(

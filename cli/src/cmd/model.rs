@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use driver_model::phase_model::{StepResponse, TransitionPoint};
 use driver_model::{
-    Behaviour, CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline,
+    CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline,
 };
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
     }
     let file = read(&args.file)?;
     let examples: Vec<Example> = match &file.model {
-        FittedModel::Phase(model) => outlines(file.behaviour)
+        FittedModel::Acceleration(model) | FittedModel::Braking(model) => outlines(&file.model)
             .map(|outline| Example::new(model, outline))
             .collect(),
         FittedModel::Cruise(_) | FittedModel::Following(_) => Vec::new(),
@@ -88,13 +88,13 @@ struct Body<'a> {
 }
 
 /// Town, country road and motorway.
-fn outlines(behaviour: Behaviour) -> impl Iterator<Item = PhaseOutline> {
+fn outlines(model: &FittedModel) -> impl Iterator<Item = PhaseOutline> {
     let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
     phases
         .into_iter()
         .map(move |(low_kmh, high_kmh, duration_s)| {
-            let (from, to) = match behaviour {
-                Behaviour::Braking => (high_kmh, low_kmh),
+            let (from, to) = match model {
+                FittedModel::Braking(_) => (high_kmh, low_kmh),
                 _ => (low_kmh, high_kmh),
             };
             let step_s = 0.1;
@@ -109,13 +109,13 @@ fn outlines(behaviour: Behaviour) -> impl Iterator<Item = PhaseOutline> {
 }
 
 fn title(file: &ModelFile) -> String {
-    format!("{}, {}", file.model.name(), file.behaviour.name())
+    format!("{}, {}", file.model.name(), file.model.behaviour().name())
 }
 
 fn text(file: &ModelFile, examples: &[Example]) -> String {
     let training = &file.training;
     let mut text = title(file);
-    if let FittedModel::Phase(model) = &file.model {
+    if let FittedModel::Acceleration(model) | FittedModel::Braking(model) = &file.model {
         let _ = write!(text, ", knows {}", model.kind().knows());
     }
     let _ = writeln!(
@@ -130,7 +130,9 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         training.prior_weight,
     );
     match &file.model {
-        FittedModel::Phase(_) => text.push_str(&example_table(examples)),
+        FittedModel::Acceleration(_) | FittedModel::Braking(_) => {
+            text.push_str(&example_table(examples));
+        }
         FittedModel::Cruise(model) => text.push_str(&cruise_table(model)),
         FittedModel::Following(model) => text.push_str(&gap_table(model)),
     }
@@ -216,7 +218,8 @@ fn example_row(example: &Example) -> [String; 7] {
 /// What the parameters mean.
 pub(crate) fn words(file: &ModelFile) -> String {
     match &file.model {
-        FittedModel::Phase(model) => phase_words(file.behaviour, model),
+        FittedModel::Acceleration(model) => phase_words("accelerates", model),
+        FittedModel::Braking(model) => phase_words("brakes", model),
         FittedModel::Cruise(model) => cruise_words(model),
         FittedModel::Following(model) => following_words(model),
     }
@@ -263,11 +266,7 @@ fn following_words(model: &FollowingModel) -> String {
     }
 }
 
-fn phase_words(behaviour: Behaviour, model: &DriverModel) -> String {
-    let verb = match behaviour {
-        Behaviour::Braking => "brakes",
-        _ => "accelerates",
-    };
+fn phase_words(verb: &str, model: &DriverModel) -> String {
     match model {
         DriverModel::Inverse(m) => {
             of_speed(verb, &format!("a = 1/({:.5} v + {:.5})", m.p1, m.p2), |v| {

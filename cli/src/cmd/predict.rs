@@ -2,8 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use driver_model::{
-    Behaviour, CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors,
-    FollowingModel, FollowingStretch, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
+    CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors, FollowingModel,
+    FollowingStretch, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
 };
 use serde::Serialize;
 
@@ -44,9 +44,9 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
     let inputs = inputs::load(&args.logs, context)?;
     let trips = args.phases.trips(&inputs, context)?;
     let (document, text) = match &file.model {
-        FittedModel::Phase(model) => {
-            let kind = match file.behaviour {
-                Behaviour::Braking => PhaseKind::Braking,
+        FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
+            let kind = match file.model {
+                FittedModel::Braking(_) => PhaseKind::Braking,
                 _ => PhaseKind::Acceleration,
             };
             let entry = |trip| Entry::of_phases(trip, kind, model, args.band / 3.6);

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
-use driver_model::{Behaviour, FittedModel, ModelFile, ModelKind, TrainingRecord};
+use driver_model::{FittedModel, ModelFile, ModelKind, TrainingRecord};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -128,8 +128,7 @@ fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<Stri
     };
     let model = settings.driver.acceleration.clone();
     let file = ModelFile::new(
-        Behaviour::Acceleration,
-        FittedModel::Phase(model),
+        FittedModel::Acceleration(model),
         no_logs,
         serde_json::to_value(args)?,
     );

@@ -1,4 +1,4 @@
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
 use crate::{CruiseModel, DriverModel, Error, FollowingModel};
@@ -66,8 +66,10 @@ impl Behaviour {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum FittedModel {
-    /// Of acceleration or braking phases.
-    Phase(DriverModel),
+    /// Of acceleration phases.
+    Acceleration(DriverModel),
+    /// Of braking phases.
+    Braking(DriverModel),
     /// Of cruising.
     Cruise(CruiseModel),
     /// Of following.
@@ -75,11 +77,22 @@ pub enum FittedModel {
 }
 
 impl FittedModel {
+    /// What the model is about.
+    #[must_use]
+    pub fn behaviour(&self) -> Behaviour {
+        match self {
+            Self::Acceleration(_) => Behaviour::Acceleration,
+            Self::Braking(_) => Behaviour::Braking,
+            Self::Cruise(_) => Behaviour::Cruise,
+            Self::Following(_) => Behaviour::Following,
+        }
+    }
+
     /// Name of the model.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Phase(model) => model.kind().name(),
+            Self::Acceleration(model) | Self::Braking(model) => model.kind().name(),
             Self::Cruise(_) => "cruise",
             Self::Following(model) => model.kind().name(),
         }
@@ -87,7 +100,7 @@ impl FittedModel {
 
     fn check(&self) -> Result<(), Error> {
         match self {
-            Self::Phase(model) => model.check(),
+            Self::Acceleration(model) | Self::Braking(model) => model.check(),
             Self::Cruise(model) => model.check(),
             Self::Following(model) => model.check(),
         }
@@ -95,9 +108,8 @@ impl FittedModel {
 
     fn from_value(behaviour: Behaviour, value: Value) -> serde_json::Result<Self> {
         Ok(match behaviour {
-            Behaviour::Acceleration | Behaviour::Braking => {
-                Self::Phase(serde_json::from_value(value)?)
-            }
+            Behaviour::Acceleration => Self::Acceleration(serde_json::from_value(value)?),
+            Behaviour::Braking => Self::Braking(serde_json::from_value(value)?),
             Behaviour::Cruise => Self::Cruise(serde_json::from_value(value)?),
             Behaviour::Following => Self::Following(serde_json::from_value(value)?),
         })
@@ -105,14 +117,10 @@ impl FittedModel {
 }
 
 /// A fitted model with where it comes from, as JSON.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ModelFile {
-    schema: String,
-    units: String,
     /// Version of the program that fitted it.
     pub version: String,
-    /// What the model is about.
-    pub behaviour: Behaviour,
     /// The model.
     pub model: FittedModel,
     /// What it was fitted to.
@@ -121,33 +129,40 @@ pub struct ModelFile {
     pub config: Value,
 }
 
-/// As it is read, before the behaviour says what the model is.
-#[derive(Deserialize)]
+/// The file as it stands on disk: what the model is, the behaviour says.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Raw {
-    schema: String,
-    units: String,
-    version: String,
+struct OnDisk<S, M, T, C> {
+    schema: S,
+    units: S,
+    version: S,
     behaviour: Behaviour,
-    model: Value,
-    training: TrainingRecord,
-    config: Value,
+    model: M,
+    training: T,
+    config: C,
+}
+
+impl Serialize for ModelFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let on_disk = OnDisk {
+            schema: MODEL_SCHEMA,
+            units: UNITS,
+            version: &self.version,
+            behaviour: self.model.behaviour(),
+            model: &self.model,
+            training: &self.training,
+            config: &self.config,
+        };
+        on_disk.serialize(serializer)
+    }
 }
 
 impl ModelFile {
     /// A file for a model fitted by this version of the program.
     #[must_use]
-    pub fn new(
-        behaviour: Behaviour,
-        model: FittedModel,
-        training: TrainingRecord,
-        config: Value,
-    ) -> Self {
+    pub fn new(model: FittedModel, training: TrainingRecord, config: Value) -> Self {
         Self {
-            schema: MODEL_SCHEMA.to_owned(),
-            units: UNITS.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            behaviour,
             model,
             training,
             config,
@@ -185,24 +200,22 @@ impl ModelFile {
                 )));
             }
         }
-        let raw: Raw = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
-        if raw.units != UNITS {
+        let file: OnDisk<String, Value, TrainingRecord, Value> =
+            serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+        if file.units != UNITS {
             return Err(refuse(format!(
                 "units are `{}`, this program reads `{UNITS}`",
-                raw.units
+                file.units
             )));
         }
-        let model = FittedModel::from_value(raw.behaviour, raw.model)
+        let model = FittedModel::from_value(file.behaviour, file.model)
             .map_err(|e| refuse(format!("the model: {e}")))?;
         model.check()?;
         Ok(Self {
-            schema: raw.schema,
-            units: raw.units,
-            version: raw.version,
-            behaviour: raw.behaviour,
+            version: file.version,
             model,
-            training: raw.training,
-            config: raw.config,
+            training: file.training,
+            config: file.config,
         })
     }
 

@@ -14,7 +14,7 @@ function flipped(pair) {
   const { model, against, low, high } = pair;
   return {
     ...pair,
-    ...{ model: against, against: model, difference: -pair.difference, low: -high, high: -low, better: pair.units - pair.better },
+    ...{ model: against, against: model, difference: -pair.difference, low: -high, high: -low, better: pair.worse, worse: pair.better },
     verdict: Object.hasOwn(opposite, pair.verdict) ? opposite[pair.verdict] : pair.verdict,
   };
 }

@@ -56,6 +56,7 @@ function readPair(source) {
     low: kmh(raw.low_mps),
     high: kmh(raw.high_mps),
     better: number(raw.better_units),
+    worse: number(raw.worse_units),
     verdict: text(raw.verdict),
   };
 }

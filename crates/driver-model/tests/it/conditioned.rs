@@ -3,9 +3,9 @@
 use driver_model::phase_model::{ConditionedProfile, Conditioning};
 use driver_model::synth::{SynthSettings, simulate};
 use driver_model::{
-    Behaviour, DriverModel, Error, Evaluation, EvaluationData, EvaluationSettings, FittedModel,
-    ModelFile, ModelKind, Onset, PhaseCurve, PhaseKind, PhaseOutline, PhaseSettings,
-    TrainingRecord, Trip, leave_one_out,
+    DriverModel, Error, Evaluation, EvaluationData, EvaluationSettings, FittedModel, ModelFile,
+    ModelKind, Onset, PhaseCurve, PhaseKind, PhaseOutline, PhaseSettings, TrainingRecord, Trip,
+    leave_one_out,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -157,12 +157,7 @@ fn file(model: DriverModel) -> ModelFile {
         prior_inputs: Vec::new(),
         prior_weight: 0.0,
     };
-    ModelFile::new(
-        Behaviour::Acceleration,
-        FittedModel::Phase(model),
-        training,
-        json!({}),
-    )
+    ModelFile::new(FittedModel::Acceleration(model), training, json!({}))
 }
 
 #[test]
@@ -171,7 +166,8 @@ fn written_and_read_it_predicts_the_same_bits() {
         let written = file(fitted(conditioning));
         let read = ModelFile::from_json(&written.to_json().unwrap()).unwrap();
         assert_eq!(read, written);
-        let (FittedModel::Phase(read), FittedModel::Phase(written)) = (read.model, written.model)
+        let (FittedModel::Acceleration(read), FittedModel::Acceleration(written)) =
+            (read.model, written.model)
         else {
             panic!("models of phases");
         };

@@ -2,7 +2,7 @@
 
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
 use driver_model::{
-    Behaviour, Bias, CruiseModel, DriverModel, Error, FittedModel, FollowingModel, Idm, ModelFile,
+    Bias, CruiseModel, DriverModel, Error, FittedModel, FollowingModel, Idm, ModelFile,
     PhaseOutline, TrainingInput, TrainingRecord,
 };
 use proptest::prelude::*;
@@ -20,12 +20,7 @@ fn file(model: DriverModel) -> ModelFile {
         prior_weight: 1.0 / 3.0,
     };
     let config = serde_json::json!({ "min_gain": 10.0 });
-    ModelFile::new(
-        Behaviour::Braking,
-        FittedModel::Phase(model),
-        training,
-        config,
-    )
+    ModelFile::new(FittedModel::Braking(model), training, config)
 }
 
 fn models() -> Vec<DriverModel> {
@@ -130,21 +125,15 @@ fn models_of_cruising_and_following_have_files_of_the_same_kind() {
         desired_speed_mps: 30.0,
     };
     let training = file(DriverModel::Straight).training;
-    for (behaviour, model, key, lie) in [
+    for (model, key, lie) in [
         (
-            Behaviour::Cruise,
             FittedModel::Cruise(cruise),
             "\"deviation_mps\": 0.35",
             "\"deviation_mps\": -1",
         ),
-        (
-            Behaviour::Following,
-            FittedModel::Following(following),
-            "30.0",
-            "9999.0",
-        ),
+        (FittedModel::Following(following), "30.0", "9999.0"),
     ] {
-        let written = ModelFile::new(behaviour, model, training.clone(), serde_json::json!({}));
+        let written = ModelFile::new(model, training.clone(), serde_json::json!({}));
         let text = written.to_json().unwrap();
         assert_eq!(ModelFile::from_json(&text).unwrap(), written);
         assert!(text.contains(key));
@@ -164,7 +153,7 @@ proptest! {
         let index = (place * bytes.len() as f64) as usize;
         bytes[index] = byte;
         let text = String::from_utf8_lossy(&bytes);
-        if let Ok(ModelFile { model: FittedModel::Phase(model), .. }) = ModelFile::from_json(&text) {
+        if let Ok(ModelFile { model: FittedModel::Braking(model), .. }) = ModelFile::from_json(&text) {
             let outline = PhaseOutline {
                 start_speed_mps: 3.0,
                 end_speed_mps: 12.0,
