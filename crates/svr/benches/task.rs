@@ -1,0 +1,71 @@
+//! The regression task of the benchmarks: trial 3 of the thesis on the simulated drives.
+
+use std::path::Path;
+
+/// Samples of 101 speed limits in a window of 10 s and 5 past speeds, and the next change of speed.
+pub struct Task {
+    pub predictors: Vec<f64>,
+    pub response: Vec<f64>,
+}
+
+pub const PREDICTORS: usize = 106;
+const HALF_WINDOW: usize = 50;
+const PAST: usize = 5;
+
+impl Task {
+    /// The first `samples` of the drives.
+    pub fn load(samples: usize) -> Self {
+        let mut task = Self {
+            predictors: Vec::new(),
+            response: Vec::new(),
+        };
+        for drive in 1..=12 {
+            let name = format!("../../fixtures/drives/drive-{drive:02}.csv");
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+            task.add(&std::fs::read_to_string(path).expect("a simulated drive"));
+        }
+        assert!(
+            task.response.len() >= samples,
+            "the drives have {} samples",
+            task.response.len()
+        );
+        task.response.truncate(samples);
+        task.predictors.truncate(samples * PREDICTORS);
+        task
+    }
+
+    fn add(&mut self, csv: &str) {
+        let rows = csv.lines().skip(1).map(|line| {
+            let mut fields = line
+                .split(',')
+                .skip(1)
+                .map(|field| field.parse::<f64>().expect("a number"));
+            (
+                fields.next().expect("a speed"),
+                fields.next().expect("a limit"),
+            )
+        });
+        let (raw, limit): (Vec<f64>, Vec<f64>) = rows.unzip();
+        let speed = hann(&raw);
+        for k in HALF_WINDOW.max(PAST)..speed.len() - HALF_WINDOW {
+            self.predictors
+                .extend_from_slice(&limit[k - HALF_WINDOW..=k + HALF_WINDOW]);
+            self.predictors.extend_from_slice(&speed[k - PAST..k]);
+            self.response.push(speed[k] - speed[k - 1]);
+        }
+    }
+}
+
+fn hann(raw: &[f64]) -> Vec<f64> {
+    let weights = [0.25, 0.75, 1.0, 0.75, 0.25];
+    let at = |k: isize| raw[k.clamp(0, raw.len() as isize - 1) as usize];
+    let smoothed = (0..raw.len() as isize).map(|k| {
+        weights
+            .iter()
+            .zip(-2..)
+            .map(|(w, j)| w * at(k + j))
+            .sum::<f64>()
+            / 3.0
+    });
+    smoothed.collect()
+}

@@ -1,0 +1,348 @@
+use crate::deadline::Deadline;
+use crate::linear::{LinearRows, Target};
+use crate::model::Model;
+use crate::nystrom::Nystrom;
+use crate::scaler::Scaler;
+use crate::subproblem::slopes;
+use crate::two_variable::KernelProblem;
+use crate::{Error, Kernel, Landmarks, Penalty, Response, Samples, Settings, UsedPenalty};
+
+/// How a solver ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[must_use]
+pub enum Status {
+    /// Within the tolerance.
+    Optimal,
+    /// Stopped by the number of iterations; gap and residual say how far off.
+    IterationLimit,
+    /// Stopped by the clock.
+    TimeLimit,
+    /// No progress any more, at the limit of the arithmetic. Scale the predictors.
+    Stalled,
+}
+
+/// A fitted model, and how good the fit is as an optimum. All figures are on the scale of the fitted response.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Fit {
+    /// What predicts.
+    pub model: Model,
+    /// How the solver ended.
+    pub status: Status,
+    /// Penalties used.
+    pub penalty: UsedPenalty,
+    /// (4.17) at the solution.
+    pub primal_objective: f64,
+    /// Negative of (4.21) at the solution; never more than the optimum.
+    pub dual_objective: f64,
+    /// Greatest violation of the optimality conditions, in units of the response.
+    pub kkt_residual: f64,
+    /// Samples outside the tube or on its edge.
+    pub support_vectors: usize,
+    /// Newton steps, or pairs moved.
+    pub iterations: usize,
+    /// Wall clock.
+    pub seconds: f64,
+    /// `β = α* − α` of every sample, the start of a next fit.
+    pub beta: Vec<f64>,
+}
+
+impl Fit {
+    /// `primal_objective − dual_objective`, at least 0 but for rounding.
+    #[must_use]
+    pub fn duality_gap(&self) -> f64 {
+        self.primal_objective - self.dual_objective
+    }
+
+    /// What to do about a fit that is not optimal.
+    #[must_use]
+    pub fn hint(&self) -> Option<&'static str> {
+        match self.status {
+            Status::Optimal => None,
+            Status::IterationLimit | Status::Stalled => Some(
+                "scale the predictors, or use a greater kernel scale or a smaller box constraint; with predictors as they are, kernels of scale 1 hardly converge in any solver",
+            ),
+            Status::TimeLimit => Some("raise the time limit, or fit to fewer samples"),
+        }
+    }
+}
+
+/// Scaled predictors, and kernel rows that fits to several responses and penalties share.
+pub struct Trainer {
+    settings: Settings,
+    kernel_scale: f64,
+    scaler: Scaler,
+    samples: usize,
+    method: Method,
+}
+
+enum Method {
+    Linear(LinearRows),
+    Kernel(KernelProblem),
+    Landmarks(Nystrom, LinearRows),
+}
+
+/// Samples from which on a kernel is approximated.
+const MANY_SAMPLES: usize = 100_000;
+const DEFAULT_LANDMARKS: usize = 512;
+
+/// Fits one model.
+///
+/// # Errors
+/// As [`Trainer::new`] and [`Trainer::fit`].
+pub fn fit(
+    samples: &Samples<'_>,
+    response: &Response<'_>,
+    settings: &Settings,
+    penalty: &Penalty,
+) -> Result<Fit, Error> {
+    Trainer::new(samples, settings)?.fit(response, penalty, None)
+}
+
+impl Trainer {
+    /// Scales the predictors.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for settings out of range, [`Error::Memory`] where not even two kernel rows fit,
+    /// [`Error::Landmarks`].
+    pub fn new(samples: &Samples<'_>, settings: &Settings) -> Result<Self, Error> {
+        settings.check()?;
+        let (n, d) = (samples.len(), samples.predictors());
+        let kernel_scale = settings
+            .kernel_scale
+            .unwrap_or_else(|| settings.kernel.default_scale(d));
+        let scaler = Scaler::learn(samples, settings.predictor_scaling);
+        let scaled = scaler.scale(samples, kernel_scale);
+        let landmarks = match settings.landmarks {
+            Landmarks::Never => None,
+            Landmarks::Count(count) => Some(count),
+            Landmarks::Auto => (n > MANY_SAMPLES).then_some(DEFAULT_LANDMARKS),
+        };
+        let method = match (settings.kernel, landmarks) {
+            (Kernel::Linear, _) => Method::Linear(LinearRows::new(&scaled, d)),
+            (kernel, Some(count)) => {
+                let nystrom = Nystrom::new(kernel, &scaled, d, count)?;
+                let rows = LinearRows::new(&nystrom.features(&scaled), nystrom.count());
+                Method::Landmarks(nystrom, rows)
+            }
+            (kernel, None) => {
+                // Predictors once in double and once in single precision, the batch of products of the rows.
+                let fixed_bytes = n * d * 12 + n * 64 * 4 + n * 100;
+                let left = settings.memory_limit_bytes.saturating_sub(fixed_bytes);
+                let capacity = left / (4 * n);
+                if capacity < n.min(2) {
+                    let needed_bytes = fixed_bytes + 8 * n;
+                    return Err(Error::Memory {
+                        samples: n,
+                        needed_bytes,
+                        limit_bytes: settings.memory_limit_bytes,
+                    });
+                }
+                Method::Kernel(KernelProblem::new(kernel, scaled, d, capacity))
+            }
+        };
+        Ok(Self {
+            settings: *settings,
+            kernel_scale,
+            scaler,
+            samples: n,
+            method,
+        })
+    }
+
+    /// Fits to a response; `start` is a fit to the same samples with other penalties or a similar response.
+    ///
+    /// # Errors
+    /// [`Error::Length`] where response or start have not one value per sample, [`Error::Setting`] for penalties out of
+    /// range.
+    pub fn fit(
+        &mut self,
+        response: &Response<'_>,
+        penalty: &Penalty,
+        start: Option<&Fit>,
+    ) -> Result<Fit, Error> {
+        for (what, found) in [
+            ("responses", response.values().len()),
+            (
+                "coefficients to start from",
+                start.map_or(self.samples, |s| s.beta.len()),
+            ),
+        ] {
+            if found != self.samples {
+                return Err(Error::Length {
+                    what,
+                    found,
+                    expected: self.samples,
+                });
+            }
+        }
+        let stopping = self.settings.stopping;
+        let deadline = Deadline::new(stopping.max_iterations, stopping.time_limit_s);
+        let response_scaler = Scaler::learn(
+            &Samples::new(response.values(), 1)?,
+            self.settings.response_scaling,
+        );
+        let scaled = response_scaler.scale_values(response.values());
+        let used = penalty.resolve(&scaled)?;
+        let bound: Vec<f64> = (0..self.samples)
+            .map(|i| used.box_constraint * response.weight(i))
+            .collect();
+        let target = Target {
+            response: &scaled,
+            bound: &bound,
+            tube_epsilon: used.tube_epsilon,
+        };
+        let solved = self.method.solve(
+            &target,
+            stopping.tolerance(self.settings.kernel),
+            start,
+            &deadline,
+        );
+        let figures = target.figures(&solved);
+        let model = Model::new(
+            self.settings.kernel,
+            self.kernel_scale,
+            self.scaler.clone(),
+            response_scaler,
+            solved.coefficients,
+            solved.vectors,
+            solved.bias,
+        );
+        Ok(Fit {
+            model,
+            status: solved.status,
+            penalty: used,
+            primal_objective: figures.primal,
+            dual_objective: figures.dual,
+            kkt_residual: solved.violation,
+            support_vectors: figures.support_vectors,
+            iterations: solved.iterations,
+            seconds: deadline.seconds(),
+            beta: solved.beta,
+        })
+    }
+}
+
+/// What every method answers.
+struct Solved {
+    coefficients: Vec<f64>,
+    vectors: Vec<f64>,
+    bias: f64,
+    beta: Vec<f64>,
+    /// `f(x_i) − b`.
+    products: Vec<f64>,
+    violation: f64,
+    status: Status,
+    iterations: usize,
+}
+
+impl Method {
+    fn solve(
+        &mut self,
+        target: &Target<'_>,
+        tolerance: f64,
+        start: Option<&Fit>,
+        deadline: &Deadline,
+    ) -> Solved {
+        match self {
+            Self::Linear(rows) => solve_linear(rows, target, tolerance, deadline),
+            Self::Landmarks(nystrom, rows) => {
+                let solved = solve_linear(rows, target, tolerance.min(1e-4), deadline);
+                Solved {
+                    coefficients: nystrom.coefficients(&solved.coefficients),
+                    vectors: nystrom.landmarks().to_vec(),
+                    ..solved
+                }
+            }
+            Self::Kernel(problem) => {
+                let solution = problem.solve(
+                    target,
+                    tolerance,
+                    start.map(|fit| fit.beta.as_slice()),
+                    deadline,
+                );
+                let (vectors, coefficients) = problem.support(&solution.beta);
+                Solved {
+                    coefficients,
+                    vectors,
+                    bias: solution.bias,
+                    beta: solution.beta,
+                    products: solution.products,
+                    violation: solution.violation,
+                    status: solution.status,
+                    iterations: solution.iterations,
+                }
+            }
+        }
+    }
+}
+
+fn solve_linear(
+    rows: &LinearRows,
+    target: &Target<'_>,
+    tolerance: f64,
+    deadline: &Deadline,
+) -> Solved {
+    let mut solution = rows.solve(target, tolerance, deadline);
+    let bias = solution.omega.pop().unwrap_or(0.0);
+    let mut products = vec![0.0; target.response.len()];
+    rows.products(&[solution.omega.as_slice(), &[0.0]].concat(), &mut products);
+    Solved {
+        violation: target.violation(&solution.beta, &products),
+        coefficients: solution.omega,
+        vectors: Vec::new(),
+        bias,
+        beta: solution.beta,
+        products,
+        status: solution.status,
+        iterations: solution.iterations,
+    }
+}
+
+/// Objectives of a solution.
+struct Figures {
+    primal: f64,
+    dual: f64,
+    support_vectors: usize,
+}
+
+/// Multipliers nearer than this share of the bound to 0 or to the bound are there: an interior point method stays inside.
+const AT_A_BOUND: f64 = 1e-6;
+
+impl Target<'_> {
+    fn figures(&self, solved: &Solved) -> Figures {
+        let (mut square, mut loss, mut linear, mut support_vectors) = (0.0, 0.0, 0.0, 0);
+        for (i, &y) in self.response.iter().enumerate() {
+            let (beta, product, bound) = (solved.beta[i], solved.products[i], self.bound[i]);
+            square += beta * product;
+            linear += y * beta - self.tube_epsilon * beta.abs();
+            loss += bound * ((y - product - solved.bias).abs() - self.tube_epsilon).max(0.0);
+            support_vectors += usize::from(beta.abs() > AT_A_BOUND * bound);
+        }
+        Figures {
+            primal: 0.5 * square + loss,
+            dual: linear - 0.5 * square,
+            support_vectors,
+        }
+    }
+
+    fn violation(&self, beta: &[f64], products: &[f64]) -> f64 {
+        let (mut most, mut least) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (i, &bound) in self.bound.iter().enumerate() {
+            let beta = match beta[i].abs() {
+                size if size <= AT_A_BOUND * bound => 0.0,
+                size if size >= (1.0 - AT_A_BOUND) * bound => bound.copysign(beta[i]),
+                _ => beta[i],
+            };
+            let (up, down) = slopes(
+                beta,
+                products[i] - self.response[i],
+                bound,
+                self.tube_epsilon,
+            );
+            (most, least) = (most.max(up), least.min(down));
+        }
+        (most - least).max(0.0)
+    }
+}

@@ -1,0 +1,3 @@
+//! Integration tests of support vector regression.
+
+mod reference;
