@@ -80,6 +80,25 @@ pub enum Error {
     /// A method that needs the whole log, asked of a stream.
     #[error("only SWAB segments a stream; the other methods need the whole log")]
     MethodOfStream,
+    /// A model needs speed limits and the log has none.
+    #[error("{log}: no speed limits, which this model needs; give logs with a column such as speed_limit_kmh")]
+    NoLimits {
+        /// Name of the drive.
+        log: String,
+    },
+    /// Drives of different sampling intervals.
+    #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; give --step {expected_s}")]
+    Steps {
+        /// Name of the drive.
+        log: String,
+        /// Its sampling interval.
+        found_s: f64,
+        /// The one of the others, or of the model.
+        expected_s: f64,
+    },
+    /// From support vector regression.
+    #[error(transparent)]
+    Regression(#[from] svr::Error),
     /// From segmentation.
     #[error(transparent)]
     Segmentation(#[from] tseg::Error),

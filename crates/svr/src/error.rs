@@ -60,9 +60,9 @@ pub enum Error {
     /// A model from a file contradicts itself.
     #[error("not a model: {0}")]
     Model(&'static str),
-    /// Kernel values between landmarks do not make a positive definite matrix.
-    #[error("kernel values between landmarks overflow; scale the predictors")]
-    Landmarks,
+    /// A matrix of kernel values or products is not positive definite.
+    #[error("kernel values overflow or are of too different size; scale the predictors")]
+    NotPositiveDefinite,
 }
 
 impl Error {

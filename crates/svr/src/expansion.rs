@@ -65,7 +65,8 @@ pub(crate) fn kernel_block(
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// `a·b`, summed in lanes.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8

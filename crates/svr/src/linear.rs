@@ -91,6 +91,27 @@ impl LinearRows {
         );
     }
 
+    /// Minimises `½‖w‖² + C/2 Σ (y − x̃·ω)²`; one `ω` per response. `None` where the system cannot be factored.
+    pub(crate) fn least_squares(
+        &self,
+        responses: &[&[f64]],
+        box_constraint: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let n = self.values.len() / self.columns;
+        let normal = self.normal_matrix(&vec![box_constraint; n], &mut Vec::new());
+        let factors = Llt::new(normal.as_ref(), Side::Lower).ok()?;
+        let solve = |response: &&[f64]| {
+            let mut right = vec![0.0; self.columns];
+            self.combination(response, &mut right);
+            for value in &mut right {
+                *value *= box_constraint;
+            }
+            let solved: Col<f64> = factors.solve(ColRef::from_slice(&right));
+            solved.iter().copied().collect()
+        };
+        Some(responses.iter().map(solve).collect())
+    }
+
     /// Lower triangle of `diag(1, …, 1, 0) + Σ D_i x̃_i x̃_iᵀ`.
     fn normal_matrix(&self, d: &[f64], scratch: &mut Vec<f64>) -> Mat<f64> {
         let columns = self.columns;
@@ -119,8 +140,46 @@ impl LinearRows {
     }
 
     /// Minimises (4.17) until the duality gap is at most `tolerance` of the objective.
-
     pub(crate) fn solve(
+        &self,
+        target: &Target<'_>,
+        tolerance: f64,
+        deadline: &Deadline,
+    ) -> LinearSolution {
+        let counts: Vec<bool> = target.bound.iter().map(|&c| c > 0.0).collect();
+        if counts.iter().all(|&counts| counts) {
+            return self.solve_inside(target, tolerance, deadline);
+        }
+        // Between equal bounds there is no inside.
+        let rows = self.values.chunks_exact(self.columns).zip(&counts);
+        let rows = rows.filter(|(_, counts)| **counts).flat_map(|(row, _)| row);
+        let rows = Self {
+            values: rows.copied().collect(),
+            columns: self.columns,
+        };
+        let pick = |values: &[f64]| -> Vec<f64> {
+            let values = values.iter().zip(&counts);
+            let values = values.filter(|(_, counts)| **counts);
+            values.map(|(value, _)| *value).collect()
+        };
+        let kept = Target {
+            response: &pick(target.response),
+            bound: &pick(target.bound),
+            tube_epsilon: target.tube_epsilon,
+        };
+        let solution = rows.solve_inside(&kept, tolerance, deadline);
+        let mut beta = solution.beta.iter().copied();
+        let spread = counts
+            .iter()
+            .map(|&counts| counts.then(|| beta.next()).flatten().unwrap_or(0.0));
+        LinearSolution {
+            beta: spread.collect(),
+            ..solution
+        }
+    }
+
+    /// As [`Self::solve`], with all bounds positive.
+    fn solve_inside(
         &self,
         target: &Target<'_>,
         tolerance: f64,
@@ -154,11 +213,14 @@ impl LinearRows {
             .response
             .iter()
             .fold(extremes, |(low, high), &y| (low.min(y), high.max(y)));
+        // Without any sample, every constant does.
         if high - low > 2.0 * target.tube_epsilon {
             return None;
         }
         let mut omega = vec![0.0; self.columns];
-        omega[self.columns - 1] = 0.5 * (low + high);
+        if low <= high {
+            omega[self.columns - 1] = 0.5 * (low + high);
+        }
         Some(LinearSolution {
             omega,
             beta: vec![0.0; target.response.len()],

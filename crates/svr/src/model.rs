@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-use crate::expansion::add_expansion;
+use crate::expansion::{add_expansion, dot};
+use crate::quadratic_form::QuadraticForm;
 use crate::scaler::Scaler;
 use crate::{Error, Kernel, Samples};
 
@@ -60,7 +61,6 @@ impl TryFrom<RawModel> for Model {
 }
 
 impl Model {
-    #[expect(clippy::too_many_arguments, reason = "the fields")]
     pub(crate) fn new(
         kernel: Kernel,
         kernel_scale: f64,
@@ -140,34 +140,73 @@ impl Model {
     /// # Errors
     /// [`Error::Length`] where the samples have another number of predictors.
     pub fn predict(&self, samples: &Samples<'_>) -> Result<Vec<f64>, Error> {
-        if samples.predictors() != self.predictors() {
+        self.predictor().predict(samples)
+    }
+
+    /// The model made ready for many predictions, one after the other.
+    #[must_use]
+    pub fn predictor(&self) -> Predictor<'_> {
+        let d = self.predictors();
+        let written_out = self.kernel == Kernel::Quadratic && self.coefficients.len() > d;
+        Predictor {
+            model: self,
+            columns: self.predictors.columns_scaled(self.kernel_scale).collect(),
+            form: written_out
+                .then(|| QuadraticForm::new(d, &self.support_vectors, &self.coefficients)),
+        }
+    }
+}
+
+/// A [`Model`] with what its predictions share computed once.
+pub struct Predictor<'a> {
+    model: &'a Model,
+    columns: Vec<(f64, f64)>,
+    form: Option<QuadraticForm>,
+}
+
+impl Predictor<'_> {
+    /// As [`Model::predict`].
+    ///
+    /// # Errors
+    /// [`Error::Length`] where the samples have another number of predictors.
+    pub fn predict(&self, samples: &Samples<'_>) -> Result<Vec<f64>, Error> {
+        let model = self.model;
+        let d = self.columns.len();
+        if samples.predictors() != d {
             return Err(Error::Length {
                 what: "predictors",
                 found: samples.predictors(),
-                expected: self.predictors(),
+                expected: d,
             });
         }
-        let mut values = vec![self.bias; samples.len()];
-        if self.kernel == Kernel::Linear {
-            let columns: Vec<_> = self.predictors.columns_scaled(self.kernel_scale).collect();
-            for (value, row) in values.iter_mut().zip(samples.rows()) {
-                let terms = row.iter().zip(&columns).zip(&self.coefficients);
-                *value += terms
-                    .map(|((x, (offset, factor)), w)| (x - offset) * factor * w)
-                    .sum::<f64>();
-            }
-        } else {
-            let scaled = self.predictors.scale(samples, self.kernel_scale);
-            add_expansion(
-                self.kernel,
-                self.predictors(),
-                &scaled,
-                &self.support_vectors,
-                &self.coefficients,
-                &mut values,
+        let mut values = vec![model.bias; samples.len()];
+        let mut scaled = Vec::with_capacity(samples.values().len());
+        for row in samples.rows() {
+            scaled.extend(
+                row.iter()
+                    .zip(&self.columns)
+                    .map(|(x, (offset, factor))| (x - offset) * factor),
             );
         }
-        self.response.restore(&mut values);
+        match (&self.form, model.kernel) {
+            (Some(form), _) => form.add(&scaled, &mut values),
+            (None, Kernel::Linear) => {
+                for (value, row) in values.iter_mut().zip(scaled.chunks_exact(d)) {
+                    *value += dot(row, &model.coefficients);
+                }
+            }
+            (None, kernel) => {
+                add_expansion(
+                    kernel,
+                    d,
+                    &scaled,
+                    &model.support_vectors,
+                    &model.coefficients,
+                    &mut values,
+                );
+            }
+        }
+        model.response.restore(&mut values);
         Ok(values)
     }
 }

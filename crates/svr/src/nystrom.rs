@@ -52,7 +52,7 @@ impl Nystrom {
             }
             Llt::new(regular.as_ref(), Side::Lower).ok()
         });
-        let factor = factor.ok_or(Error::Landmarks)?;
+        let factor = factor.ok_or(Error::NotPositiveDefinite)?;
         Ok(Self {
             kernel,
             predictors,

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Samples};
+use crate::{Error, Samples, Settings};
 
 /// How predictors or responses are brought to a common scale before fitting.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,6 +57,23 @@ impl Scaler {
         });
         let factor = factor.collect();
         Self { offset, factor }
+    }
+
+    /// Of predictors, weighted as the settings say.
+    pub(crate) fn of(samples: &Samples<'_>, settings: &Settings) -> Self {
+        let mut scaler = Self::learn(samples, settings.predictor_scaling);
+        for (factor, weight) in scaler.factor.iter_mut().zip(&settings.predictor_weights) {
+            *factor *= weight;
+        }
+        scaler
+    }
+
+    /// The only column as it is.
+    pub(crate) fn identity() -> Self {
+        Self {
+            offset: vec![0.0],
+            factor: vec![1.0],
+        }
     }
 
     /// Number of columns.

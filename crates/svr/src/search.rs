@@ -62,7 +62,7 @@ pub fn search(
         .map(|(fold, scale)| {
             let settings = Settings {
                 kernel_scale: grid.kernel_scales[*scale],
-                ..*settings
+                ..settings.clone()
             };
             score_paths(samples, response, &settings, grid, fold)
         })

@@ -4,7 +4,7 @@ use crate::quantile::hazen;
 use crate::{Error, Kernel, Scaling};
 
 /// What to fit, and how. The default is a linear model of standardised predictors with MATLAB's penalties.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Linear, or what takes the place of the scalar product.
     pub kernel: Kernel,
@@ -12,6 +12,9 @@ pub struct Settings {
     pub kernel_scale: Option<f64>,
     /// Of the predictors.
     pub predictor_scaling: Scaling,
+    /// Multiply scaled predictors, so that a difference in one counts more to a kernel than in another. Empty, or one per
+    /// predictor.
+    pub predictor_weights: Vec<f64>,
     /// Of the response. Penalties apply to the scaled response.
     pub response_scaling: Scaling,
     /// When a kernel is approximated.
@@ -28,6 +31,7 @@ impl Default for Settings {
             kernel: Kernel::Linear,
             kernel_scale: None,
             predictor_scaling: Scaling::Standardize,
+            predictor_weights: Vec::new(),
             response_scaling: Scaling::None,
             landmarks: Landmarks::Auto,
             memory_limit_bytes: 1_100_000_000,
@@ -131,7 +135,22 @@ impl Penalty {
 }
 
 impl Settings {
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self, predictors: usize) -> Result<(), Error> {
+        let weights = &self.predictor_weights;
+        if !weights.is_empty() && weights.len() != predictors {
+            return Err(Error::Length {
+                what: "predictor weights",
+                found: weights.len(),
+                expected: predictors,
+            });
+        }
+        if let Some(&weight) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
+            return Err(Error::Setting {
+                name: "a predictor weight",
+                value: weight,
+                must_be: "finite and at least 0",
+            });
+        }
         if let Some(scale) = self.kernel_scale {
             Error::unless(
                 scale.is_finite() && scale > 0.0,

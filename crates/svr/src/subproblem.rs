@@ -179,6 +179,10 @@ impl Subproblem {
     }
 }
 
+#[expect(
+    clippy::float_cmp,
+    reason = "a step that ends at a kink is the kink itself"
+)]
 /// Where `½ a δ² − gain·δ + kinks` is least for `β_i + δ`, `β_j − δ` within their bounds. Bounds and kinks are hit exactly.
 fn line_minimum(
     beta: (f64, f64),

@@ -105,14 +105,14 @@ impl Trainer {
     ///
     /// # Errors
     /// [`Error::Setting`] for settings out of range, [`Error::Memory`] where not even two kernel rows fit,
-    /// [`Error::Landmarks`].
+    /// [`Error::NotPositiveDefinite`].
     pub fn new(samples: &Samples<'_>, settings: &Settings) -> Result<Self, Error> {
-        settings.check()?;
+        settings.check(samples.predictors())?;
         let (n, d) = (samples.len(), samples.predictors());
         let kernel_scale = settings
             .kernel_scale
             .unwrap_or_else(|| settings.kernel.default_scale(d));
-        let scaler = Scaler::learn(samples, settings.predictor_scaling);
+        let scaler = Scaler::of(samples, settings);
         let scaled = scaler.scale(samples, kernel_scale);
         let landmarks = match settings.landmarks {
             Landmarks::Never => None,
@@ -143,7 +143,7 @@ impl Trainer {
             }
         };
         Ok(Self {
-            settings: *settings,
+            settings: settings.clone(),
             kernel_scale,
             scaler,
             samples: n,
@@ -216,7 +216,7 @@ impl Trainer {
             primal_objective: figures.primal,
             dual_objective: figures.dual,
             kkt_residual: solved.violation,
-            support_vectors: figures.support_vectors,
+            support_vectors: solved.support_vectors,
             iterations: solved.iterations,
             seconds: deadline.seconds(),
             beta: solved.beta,
@@ -233,6 +233,7 @@ struct Solved {
     /// `f(x_i) − b`.
     products: Vec<f64>,
     violation: f64,
+    support_vectors: usize,
     status: Status,
     iterations: usize,
 }
@@ -264,6 +265,7 @@ impl Method {
                 );
                 let (vectors, coefficients) = problem.support(&solution.beta);
                 Solved {
+                    support_vectors: coefficients.len(),
                     coefficients,
                     vectors,
                     bias: solution.bias,
@@ -288,8 +290,13 @@ fn solve_linear(
     let bias = solution.omega.pop().unwrap_or(0.0);
     let mut products = vec![0.0; target.response.len()];
     rows.products(&[solution.omega.as_slice(), &[0.0]].concat(), &mut products);
+    let near_zero = target.near_zero(&solution.beta);
+    let support_vectors = solution.beta.iter().zip(&near_zero);
     Solved {
-        violation: target.violation(&solution.beta, &products),
+        violation: target.violation(&solution.beta, &products, &near_zero),
+        support_vectors: support_vectors
+            .filter(|(beta, near)| beta.abs() > **near)
+            .count(),
         coefficients: solution.omega,
         vectors: Vec::new(),
         bias,
@@ -304,34 +311,39 @@ fn solve_linear(
 struct Figures {
     primal: f64,
     dual: f64,
-    support_vectors: usize,
 }
 
-/// Multipliers nearer than this share of the bound to 0 or to the bound are there: an interior point method stays inside.
+/// Multipliers nearer than this share of the bound to the bound are there, and nearer than this share of the bound or of the
+/// greatest multiplier to 0 are 0: an interior point method stays inside.
 const AT_A_BOUND: f64 = 1e-6;
 
 impl Target<'_> {
     fn figures(&self, solved: &Solved) -> Figures {
-        let (mut square, mut loss, mut linear, mut support_vectors) = (0.0, 0.0, 0.0, 0);
+        let (mut square, mut loss, mut linear) = (0.0, 0.0, 0.0);
         for (i, &y) in self.response.iter().enumerate() {
             let (beta, product, bound) = (solved.beta[i], solved.products[i], self.bound[i]);
             square += beta * product;
             linear += y * beta - self.tube_epsilon * beta.abs();
             loss += bound * ((y - product - solved.bias).abs() - self.tube_epsilon).max(0.0);
-            support_vectors += usize::from(beta.abs() > AT_A_BOUND * bound);
         }
         Figures {
             primal: 0.5 * square + loss,
             dual: linear - 0.5 * square,
-            support_vectors,
         }
     }
 
-    fn violation(&self, beta: &[f64], products: &[f64]) -> f64 {
+    /// Up to what size a multiplier of an interior point is 0.
+    fn near_zero(&self, beta: &[f64]) -> Vec<f64> {
+        let most = beta.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
+        let near = |bound: &f64| AT_A_BOUND * bound.min(most);
+        self.bound.iter().map(near).collect()
+    }
+
+    fn violation(&self, beta: &[f64], products: &[f64], near_zero: &[f64]) -> f64 {
         let (mut most, mut least) = (f64::NEG_INFINITY, f64::INFINITY);
         for (i, &bound) in self.bound.iter().enumerate() {
             let beta = match beta[i].abs() {
-                size if size <= AT_A_BOUND * bound => 0.0,
+                size if size <= near_zero[i] => 0.0,
                 size if size >= (1.0 - AT_A_BOUND) * bound => bound.copysign(beta[i]),
                 _ => beta[i],
             };

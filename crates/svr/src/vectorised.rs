@@ -52,7 +52,7 @@ pub(crate) fn exp_f64(x: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn exp_f32(x: f32) -> f32 {
     const ROUND: f32 = 12_582_912.0;
-    const LN2_HIGH: f32 = 6.933_593_8e-1;
+    const LN2_HIGH: f32 = 0.693_359_4;
     const LN2_LOW: f32 = -2.121_944_4e-4;
     let x = x.max(-87.0);
     let shifted = x * std::f32::consts::LOG2_E + ROUND;

@@ -4,12 +4,12 @@ use serde::Serialize;
 
 use super::EvaluatedPhase;
 use crate::ModelKind;
+use crate::statistics::RatioInterval;
 
 /// Two models on the same held-out phases: which is better, and is that more than chance.
 ///
-/// The difference is that of the mean RMSE over phases. Phases of one unit are alike, so the interval is over units: with `n_u`
-/// phases and the sum `s_u` of differences in unit `u`, `D = Σs_u/Σn_u` has the variance
-/// `k/(k−1) Σ(s_u − n_u D)²/(Σn_u)²` (ratio estimator, Cochran 1977), and Student's t with `k − 1` degrees of freedom.
+/// The difference is that of the mean RMSE over phases. Phases of one unit are alike, so the interval is over units (ratio
+/// estimator, Cochran 1977).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairedComparison {
     /// First model.
@@ -70,6 +70,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// On an interval of a difference of errors.
+    pub(crate) fn of(interval: &RatioInterval) -> Self {
+        match interval {
+            RatioInterval { high, .. } if *high < 0.0 => Self::Better,
+            RatioInterval { low, .. } if *low > 0.0 => Self::Worse,
+            _ => Self::Unclear,
+        }
+    }
+
     fn opposite(self) -> Self {
         match self {
             Self::Better => Self::Worse,
@@ -116,73 +125,25 @@ fn compare(
         let sums = units.entry(unit).or_default();
         *sums = (sums.0 + difference, sums.1 + 1.0);
     }
-    let k = units.len();
-    if k < 2 {
-        return None;
-    }
-    let phases: f64 = units.values().map(|u| u.1).sum();
-    let mean = units.values().map(|u| u.0).sum::<f64>() / phases;
-    let squares: f64 = units.values().map(|(s, n)| (s - n * mean).powi(2)).sum();
-    let deviation = (k as f64 / (k - 1) as f64 * squares).sqrt() / phases;
-    let reach = t_quantile_975(k - 1) * deviation;
-    let (low_mps, high_mps) = (mean - reach, mean + reach);
+    let interval = RatioInterval::of(units.values().copied())?;
     Some(PairedComparison {
         model,
         against,
-        units: k,
-        phases: phases as usize,
-        difference_rmse_mps: mean,
-        low_mps,
-        high_mps,
+        units: units.len(),
+        phases: units.values().map(|u| u.1).sum::<f64>() as usize,
+        difference_rmse_mps: interval.ratio,
+        low_mps: interval.low,
+        high_mps: interval.high,
         better_units: units.values().filter(|u| u.0 < 0.0).count(),
         worse_units: units.values().filter(|u| u.0 > 0.0).count(),
-        verdict: match () {
-            () if high_mps < 0.0 => Verdict::Better,
-            () if low_mps > 0.0 => Verdict::Worse,
-            () => Verdict::Unclear,
-        },
+        verdict: Verdict::of(&interval),
     })
-}
-
-/// The 97.5 % quantile of Student's t: exact for 1 and 2 degrees of freedom, else by the expansion in `1/ν` (Abramowitz and
-/// Stegun 26.7.5), within 0.2 % from 3 on.
-fn t_quantile_975(degrees: usize) -> f64 {
-    let z: f64 = 1.959_963_984_540_054;
-    match degrees {
-        0 => f64::INFINITY,
-        1 => 12.706_204_736_174_7,
-        2 => 4.302_652_729_749_46,
-        _ => {
-            let nu = degrees as f64;
-            let (z3, z5, z7, z9) = (z.powi(3), z.powi(5), z.powi(7), z.powi(9));
-            z + (z3 + z) / (4.0 * nu)
-                + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * nu.powi(2))
-                + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * nu.powi(3))
-                + (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * z)
-                    / (92_160.0 * nu.powi(4))
-        }
-    }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        for (degrees, quantile) in [
-            (1, 12.706),
-            (2, 4.303),
-            (3, 3.182),
-            (4, 2.776),
-            (10, 2.228),
-            (30, 2.042),
-        ] {
-            let found = t_quantile_975(degrees);
-            assert!((found / quantile - 1.0).abs() < 2e-3, "{degrees}: {found}");
-        }
-    }
 
     #[test]
     fn seen_from_the_other_model_everything_turns_round() {

@@ -1,0 +1,38 @@
+use drive_log::DriveLog;
+
+use super::habit::WantedSpeed;
+use super::manoeuvres::laws;
+use super::recording::Recording;
+use super::{Slowdowns, TripDriver};
+use crate::Error;
+
+impl TripDriver {
+    /// Learns from logs that know the speed limit in every sample. Vehicles ahead are part of it: who predicts from the road
+    /// alone does not know them either.
+    ///
+    /// What the logs do not show has fallbacks: without steady driving the limit is driven, for laws see [`super::AccelerationLaw`]
+    /// and [`super::BrakingLaw`]. A dozen trips of 10 min are enough.
+    ///
+    /// # Errors
+    /// [`Error::Log`] where a limit is missing: a log without limits, or with limits in parts, cannot be used; cut it there.
+    /// [`Error::Option`] for a limit that is none, [`Error::Fit`] without logs.
+    pub fn fit(logs: &[&DriveLog]) -> Result<Self, Error> {
+        let recordings = logs
+            .iter()
+            .map(|log| Recording::of(log))
+            .collect::<Result<Vec<_>, _>>()?;
+        Self::fit_recordings(&recordings.iter().collect::<Vec<_>>())
+    }
+
+    pub(super) fn fit_recordings(recordings: &[&Recording]) -> Result<Self, Error> {
+        if recordings.is_empty() {
+            return Err(Error::Fit {
+                model: "trip driver",
+                reason: "no log to learn from; add logs with speed limits".to_owned(),
+            });
+        }
+        let wanted = WantedSpeed::fit(recordings);
+        let (acceleration, braking) = laws(recordings, &wanted);
+        Self::new(wanted, acceleration, braking, Slowdowns::fit(recordings))
+    }
+}

@@ -1,0 +1,21 @@
+//! The speed of the next seconds, or of a whole trip, from speed limits and own past: chapter 4 of the thesis, and beyond it.
+
+mod boosted_trees;
+mod course;
+mod direct;
+mod evaluation;
+mod horizon;
+mod kind;
+mod predictors;
+mod trial;
+mod trip_figures;
+
+pub use course::Course;
+pub use direct::{DirectModel, DirectSettings, SpeedAhead};
+pub use evaluation::{
+    TrajectoryData, TrajectoryEvaluation, TrajectorySettings, TrialResult, TrialTrip, evaluate_trajectory,
+};
+pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
+pub use kind::DirectKind;
+pub use trial::{FittedTrial, Trial, TrialSettings};
+pub use trip_figures::TripFigures;

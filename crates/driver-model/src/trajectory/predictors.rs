@@ -1,0 +1,261 @@
+//! What a direct prediction may know at a moment: own past, and the road ahead.
+
+use serde::{Deserialize, Serialize};
+
+use super::Course;
+
+/// One predictor. Speeds before the first sample count as the first speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Predictor {
+    /// `v(t)`.
+    Speed,
+    /// `v(t) − v(t − lag)`.
+    Change {
+        /// Lag.
+        lag_s: f64,
+    },
+    /// Standard deviation of the speed since `t − window`.
+    Deviation {
+        /// Window.
+        window_s: f64,
+    },
+    /// Mean of the speed since `t − window`.
+    Mean {
+        /// Window.
+        window_s: f64,
+    },
+    /// Greatest speed since `t − window`.
+    Greatest {
+        /// Window.
+        window_s: f64,
+    },
+    /// Time since the start of the drive, at most `cap`.
+    Elapsed {
+        /// Longest time told apart.
+        cap_s: f64,
+    },
+    /// Time since the speed last changed, at most `cap`: standing time, or the age of a reading that is held.
+    Unchanged {
+        /// Longest time told apart.
+        cap_s: f64,
+    },
+    /// Speed limit at the distance `v(t)·seconds` ahead.
+    Limit {
+        /// Seconds ahead at the present speed; 0 is the limit here.
+        seconds: f64,
+    },
+    /// Mean slope over the distance `max(v(t)·seconds, 20 m)` ahead.
+    Slope {
+        /// Seconds ahead at the present speed.
+        seconds: f64,
+    },
+}
+
+/// A predictor and how much a distance in it counts for kernels, beside 1.
+pub(super) type Weighted = (Predictor, f64);
+
+/// Shorter distances ahead say nothing of the slope.
+const LEAST_SLOPE_DISTANCE_M: f64 = 20.0;
+
+/// Smaller changes of speed are none.
+const NO_CHANGE_MPS: f64 = 1e-6;
+
+/// Predictors for logs with this sampling interval.
+pub(super) fn predictors(step_s: f64, limits: bool, slope: bool) -> Vec<Weighted> {
+    use Predictor::{Change, Deviation, Elapsed, Greatest, Limit, Mean, Slope, Speed, Unchanged};
+    let change = |lag_s, weight| (Change { lag_s }, weight);
+    let mut chosen = vec![(Speed, 2.0)];
+    // The latest acceleration, as exactly as the sampling allows.
+    if step_s <= 0.2 {
+        chosen.extend([change(0.1, 2.0), change(0.3, 1.0), change(1.0, 1.0)]);
+    } else {
+        chosen.extend([change(1.0, 2.0), change(3.0, 1.0)]);
+    }
+    chosen.extend([change(2.0, 1.0), change(5.0, 0.5)]);
+    chosen.extend([10.0, 20.0, 30.0].map(|lag_s| change(lag_s, 0.25)));
+    chosen.extend([5.0, 120.0].map(|window_s| (Deviation { window_s }, 0.25)));
+    chosen.push((Mean { window_s: 60.0 }, 0.25));
+    chosen.extend([60.0, 120.0].map(|window_s| (Greatest { window_s }, 0.5)));
+    chosen.push((Elapsed { cap_s: 600.0 }, 0.5));
+    chosen.push((Unchanged { cap_s: 10.0 }, 0.5));
+    if limits {
+        chosen.extend([0.0, 2.0, 4.0, 6.0, 10.0].map(|seconds| (Limit { seconds }, 0.5)));
+    }
+    if slope {
+        chosen.extend([2.0, 5.0, 10.0].map(|seconds| (Slope { seconds }, 0.25)));
+    }
+    chosen
+}
+
+/// Rows of predictors of a course, one per origin: value `j` of origin `i` at `i·predictors + j`.
+pub(super) fn rows(course: &Course, predictors: &[Predictor], origins: &[usize]) -> Vec<f64> {
+    let columns: Vec<Vec<f64>> = predictors.iter().map(|predictor| predictor.column(course, origins)).collect();
+    (0..origins.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+}
+
+impl Predictor {
+    /// Whether its times are positive, as those of a file might not be.
+    pub(super) fn is_usable(self) -> bool {
+        match self {
+            Self::Speed => true,
+            Self::Change { lag_s: time_s }
+            | Self::Deviation { window_s: time_s }
+            | Self::Mean { window_s: time_s }
+            | Self::Greatest { window_s: time_s }
+            | Self::Elapsed { cap_s: time_s }
+            | Self::Unchanged { cap_s: time_s }
+            | Self::Limit { seconds: time_s }
+            | Self::Slope { seconds: time_s } => (0.0..=1e6).contains(&time_s),
+        }
+    }
+
+    fn column(self, course: &Course, origins: &[usize]) -> Vec<f64> {
+        let v = &course.speed_mps;
+        let at = |of: &dyn Fn(usize) -> f64| origins.iter().map(|&i| of(i)).collect();
+        match self {
+            Self::Speed => at(&|i| v[i]),
+            Self::Change { lag_s } => {
+                let lag = course.samples_in(lag_s);
+                at(&|i| v[i] - v[i.saturating_sub(lag)])
+            }
+            Self::Deviation { window_s } => {
+                let moments = Moments::of(v);
+                let window = course.samples_in(window_s);
+                at(&|i| moments.deviation(i.saturating_sub(window), i))
+            }
+            Self::Mean { window_s } => {
+                let moments = Moments::of(v);
+                let window = course.samples_in(window_s);
+                at(&|i| moments.mean(i.saturating_sub(window), i))
+            }
+            Self::Greatest { window_s } => {
+                let greatest = running_maximum(v, course.samples_in(window_s));
+                at(&|i| greatest[i])
+            }
+            Self::Elapsed { cap_s } => at(&|i| (i as f64 * course.step_s).min(cap_s)),
+            Self::Unchanged { cap_s } => {
+                let mut since = 0;
+                let last_change = (0..v.len()).map(|i| {
+                    if i > 0 && (v[i] - v[i - 1]).abs() > NO_CHANGE_MPS {
+                        since = i;
+                    }
+                    since
+                });
+                let last_change: Vec<usize> = last_change.collect();
+                at(&|i| ((i - last_change[i]) as f64 * course.step_s).min(cap_s))
+            }
+            Self::Limit { seconds } => match &course.limit_mps {
+                Some(limit) => at(&|i| limit[ahead(course, i, v[i] * seconds)]),
+                None => vec![0.0; origins.len()],
+            },
+            Self::Slope { seconds } => match &course.slope_rad {
+                Some(slope) => {
+                    let moments = Moments::of(slope);
+                    at(&|i| moments.mean(i, ahead(course, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M))))
+                }
+                None => vec![0.0; origins.len()],
+            },
+        }
+    }
+}
+
+/// The first sample at least this far ahead, or the last.
+fn ahead(course: &Course, from: usize, distance_m: f64) -> usize {
+    let place = course.distance_m[from] + distance_m;
+    let behind = course.distance_m[from..].partition_point(|&s| s < place);
+    (from + behind).min(course.len() - 1)
+}
+
+/// Sums that give mean and deviation of any window.
+struct Moments {
+    sums: Vec<f64>,
+    squares: Vec<f64>,
+    origin: f64,
+}
+
+impl Moments {
+    fn of(values: &[f64]) -> Self {
+        // Counted from the mean, so that squares do not cancel.
+        let origin = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let (mut sum, mut square) = (0.0, 0.0);
+        let (mut sums, mut squares) = (vec![0.0], vec![0.0]);
+        for value in values {
+            sum += value - origin;
+            square += (value - origin) * (value - origin);
+            sums.push(sum);
+            squares.push(square);
+        }
+        Self { sums, squares, origin }
+    }
+
+    /// Both ends included.
+    fn mean(&self, from: usize, to: usize) -> f64 {
+        self.origin + (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
+    }
+
+    fn deviation(&self, from: usize, to: usize) -> f64 {
+        let n = (to + 1 - from) as f64;
+        let mean = (self.sums[to + 1] - self.sums[from]) / n;
+        let square = (self.squares[to + 1] - self.squares[from]) / n;
+        (square - mean * mean).max(0.0).sqrt()
+    }
+}
+
+/// Greatest value of each window of `window` samples back and the sample itself.
+fn running_maximum(values: &[f64], window: usize) -> Vec<f64> {
+    let mut candidates = std::collections::VecDeque::new();
+    let maximum = values.iter().enumerate().map(|(i, &value)| {
+        while candidates.back().is_some_and(|&k: &usize| values[k] <= value) {
+            candidates.pop_back();
+        }
+        candidates.push_back(i);
+        while candidates.front().is_some_and(|&k| k + window < i) {
+            candidates.pop_front();
+        }
+        candidates.front().map_or(value, |&k| values[k])
+    });
+    maximum.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(speed_mps: Vec<f64>) -> Course {
+        let mut distance_m = vec![0.0];
+        for pair in speed_mps.windows(2) {
+            distance_m.push(distance_m[distance_m.len() - 1] + 0.5 * (pair[0] + pair[1]));
+        }
+        Course { name: "test".to_owned(), step_s: 1.0, limit_mps: None, slope_rad: None, speed_mps, distance_m }
+    }
+
+    #[test]
+    fn windows_are_what_a_slow_loop_finds() {
+        let speeds: Vec<f64> = (0..200).map(|i| 10.0 + 5.0 * f64::from(i * i % 17) / 17.0).collect();
+        let course = course(speeds.clone());
+        let origins: Vec<usize> = (0..200).collect();
+        let window = |i: usize, n: usize| &speeds[i.saturating_sub(n)..=i];
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        for (i, row) in rows(&course, &[
+            Predictor::Mean { window_s: 60.0 },
+            Predictor::Greatest { window_s: 60.0 },
+            Predictor::Deviation { window_s: 5.0 },
+        ], &origins).chunks_exact(3).enumerate() {
+            assert!((row[0] - mean(window(i, 60))).abs() < 1e-12);
+            let greatest = window(i, 60).iter().copied().fold(0.0, f64::max);
+            assert!((row[1] - greatest).abs() < 1e-12);
+            let m = mean(window(i, 5));
+            let square = window(i, 5).iter().map(|v| (v - m) * (v - m)).sum::<f64>() / window(i, 5).len() as f64;
+            assert!((row[2] - square.sqrt()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_limit_ahead_is_looked_up_by_distance() {
+        let mut course = course(vec![10.0; 20]);
+        course.limit_mps = Some((0..20).map(|i| if i < 10 { 14.0 } else { 8.0 }).collect());
+        let values = rows(&course, &[Predictor::Limit { seconds: 4.0 }], &[5, 6, 19]);
+        assert_eq!(values, [14.0, 8.0, 8.0]);
+    }
+}
