@@ -137,6 +137,25 @@ pub(crate) const PORTRAIT: Page = Page {
     ),
 };
 
+/// For the schema `drivekit/evaluate/1` of the trajectory task: errors by horizon, Table 4.1 and figures 4.4 to 4.11.
+pub(crate) const TRAJECTORY: Page = Page {
+    command: "evaluate --task trajectory",
+    title: "Speed ahead",
+    contents: &[
+        ("horizons", "Horizons"),
+        ("trials", "Table 4.1"),
+        ("figures", "Figures 4.4 to 4.11"),
+    ],
+    sections: include_str!("report/trajectory.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/chart.js"),
+        include_str!("report/trajectory.js"),
+    ),
+};
+
 impl Page {
     /// The page for a document, drawn by its own script from the document inside it. Keys that the document lacks are named
     /// on the page.

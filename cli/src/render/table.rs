@@ -25,6 +25,16 @@ impl Table {
         }
     }
 
+    /// As [`Self::new`], where the number of columns is only known at run time.
+    pub(crate) fn with_columns(header: Vec<String>) -> Self {
+        Self { header, rows: Vec::new() }
+    }
+
+    /// A row of a table [`Self::with_columns`].
+    pub(crate) fn add(&mut self, cells: Vec<String>) {
+        self.rows.push(Row::Cells(cells));
+    }
+
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(Row::Cells(cells.into()));
     }

@@ -2,11 +2,14 @@
 
 mod document;
 mod text;
+mod trajectory;
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use driver_model::phase_model::TransitionPoint;
+use driver_model::trajectory::DirectKind;
 use driver_model::{
     CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings, FollowingEvaluation,
     FollowingGroup, FunctionFit, LearningPoint, ModelKind, PhaseKind, TrainingSet, Trip,
@@ -16,6 +19,7 @@ use serde::Serialize;
 
 use super::phases::{PhaseArgs, vehicle, width_kmh};
 use super::prior::PriorArgs;
+use trajectory::TrajectoryArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
@@ -38,6 +42,7 @@ Examples:
   drivekit evaluate logs/*.csv --models inverse,profile-onset --format json > evaluation.json
   drivekit evaluate drivers/ --hold-out driver           drivers/anna/*.csv, drivers/ben/*.csv, …
   drivekit evaluate anna/ --prior others/ --learning-curve
+  drivekit evaluate logs/ --task trajectory --models blend,svr-rbf --horizons 1,2,5,10
   drivekit evaluate logs/ --require 'profile.in_band_pct>=60' --require 'braking.profile.rmse_mps<=0.5'
                                                          exit code 1 if missed")]
 pub(crate) struct EvaluateArgs {
@@ -50,18 +55,24 @@ pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     #[serde(flatten)]
     prior: PriorArgs,
-    /// Models to evaluate, comma separated; the baselines are always added
-    #[arg(long, value_delimiter = ',', default_values_t = models(), value_name = "MODEL")]
-    models: Vec<ModelKind>,
+    /// What is predicted
+    #[arg(long, value_enum, default_value_t = Task::Phases, value_name = "TASK")]
+    task: Task,
+    /// Models to evaluate, comma separated [default: all of the task]; the baselines are always added
+    #[arg(long, value_delimiter = ',', value_name = "MODEL")]
+    models: Vec<EvaluatedModel>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    trajectory: TrajectoryArgs,
     /// What is held out at a time
     #[arg(long, value_enum, default_value_t = HoldOut::Trip, value_name = "UNIT")]
     hold_out: HoldOut,
     /// Also the error over the number of own trips that a model has seen
     #[arg(long)]
     learning_curve: bool,
-    /// Full width of the band around the measured speed, in km/h
-    #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
-    band: f64,
+    /// Full width of the band around the measured speed, in km/h [default: 3 for phases, 5 for trips]
+    #[arg(long, value_parser = width_kmh, value_name = "KM/H")]
+    band: Option<f64>,
     /// Vehicle for the energy of curves: a built-in name or a TOML file
     #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]
     vehicle: String,
@@ -73,6 +84,36 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "EXPR")]
     #[serde(skip)]
     require: Vec<Requirement>,
+}
+
+/// What is predicted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Task {
+    /// Acceleration and braking phases, cruising and following
+    Phases,
+    /// The speed of the next seconds and of whole trips, from limits and own past
+    Trajectory,
+}
+
+/// A model of either task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+enum EvaluatedModel {
+    Phase(ModelKind),
+    Direct(DirectKind),
+}
+
+impl FromStr for EvaluatedModel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let of_phases = text.parse().map(Self::Phase);
+        of_phases.or_else(|phases: String| {
+            let direct = text.parse().map(Self::Direct);
+            direct.map_err(|direct: String| format!("of phases, {phases}; with --task trajectory, {direct}"))
+        })
+    }
 }
 
 /// What is held out at a time.
@@ -96,11 +137,6 @@ impl HoldOut {
             Self::Driver => path.parent().unwrap_or(path).display().to_string(),
         }
     }
-}
-
-fn models() -> Vec<ModelKind> {
-    let all = ModelKind::ALL.into_iter();
-    all.filter(|model| !model.is_baseline()).collect()
 }
 
 /// Everything that was found out.
@@ -128,11 +164,34 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
     } else {
         inputs::load(&args.logs, context)?
     };
-    let trips = args.phases.trips(&inputs, context)?;
+    let figures = match args.task {
+        Task::Trajectory => args.evaluate_trajectory(&inputs, &vehicle, context)?,
+        Task::Phases => args.evaluate_phases(&inputs, &vehicle, context)?,
+    };
+    let mut outcome = Outcome::Done;
+    for requirement in &args.require {
+        if let Some(reason) = requirement.missed(&figures)? {
+            output::note(context, &format!("missed: {reason}"));
+            outcome = Outcome::Negative;
+        }
+    }
+    Ok(outcome)
+}
+
+impl EvaluateArgs {
+    /// Evaluates, prints, and returns the document.
+    fn evaluate_phases(
+        &self,
+        inputs: &[Input],
+        vehicle: &ev_energy::Vehicle,
+        context: &Context,
+    ) -> anyhow::Result<serde_json::Value> {
+    let args = self;
+    let trips = args.phases.trips(inputs, context)?;
     let prior = args
         .prior
         .trips(&args.logs.reading, &args.phases, context)?;
-    let findings = args.evaluate(&inputs, &trips, &prior, &vehicle, context)?;
+    let findings = args.evaluate(inputs, &trips, &prior, vehicle, context)?;
     for evaluation in [Some(&findings.acceleration), findings.braking.as_ref()]
         .into_iter()
         .flatten()
@@ -149,7 +208,7 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
     let document = Document::new(
         "evaluate",
         args,
-        &inputs,
+        inputs,
         document::Body::new(args, &findings),
     );
     let figures = serde_json::to_value(&document)?;
@@ -163,23 +222,30 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
     }
-    let mut outcome = Outcome::Done;
-    for requirement in &args.require {
-        if let Some(reason) = requirement.missed(&figures)? {
-            output::note(context, &format!("missed: {reason}"));
-            outcome = Outcome::Negative;
-        }
+    Ok(figures)
     }
-    Ok(outcome)
-}
 
-impl EvaluateArgs {
+    fn band_kmh(&self) -> f64 {
+        self.band.unwrap_or(match self.task {
+            Task::Phases => 3.0,
+            Task::Trajectory => 5.0,
+        })
+    }
+
     fn settings(&self) -> EvaluationSettings {
         EvaluationSettings {
-            models: self.models.clone(),
-            band_mps: self.band / 3.6,
+            models: self.phase_models(),
+            band_mps: self.band_kmh() / 3.6,
             prior_weight: self.prior.weight(),
         }
+    }
+
+    fn phase_models(&self) -> Vec<ModelKind> {
+        let named = self.models.iter().filter_map(|model| match model {
+            EvaluatedModel::Phase(kind) => Some(*kind),
+            EvaluatedModel::Direct(_) => None,
+        });
+        if self.models.is_empty() { ModelKind::ALL.to_vec() } else { named.collect() }
     }
 
     fn evaluate(

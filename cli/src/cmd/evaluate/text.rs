@@ -80,7 +80,7 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
 }
 
 fn model_table(args: &EvaluateArgs, evaluation: &Evaluation) -> Table {
-    let band = format!("in ±{} km/h %", number(0.5 * args.band, 1));
+    let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
     let mut table = Table::new([
         "model",
         "knows",

@@ -1,1 +1,450 @@
+use std::collections::BTreeMap;
 
+use drive_log::{Channel, DriveLog};
+use proptest::prelude::*;
+
+use super::clock::Clock;
+use super::*;
+
+fn driver() -> TripDriver {
+    let wanted = WantedSpeed {
+        by_limit: vec![],
+        line: HabitLine::default(),
+    };
+    let acceleration = AccelerationLaw {
+        scale_mps2: 1.9,
+        max_mps2: 2.1,
+        rises: 10,
+    };
+    let braking = BrakingLaw {
+        scale_mps2: 0.4,
+        exponent: 0.5,
+        max_mps2: 2.3,
+        falls: 10,
+    };
+    let slowdowns = Slowdowns {
+        by_limit: vec![],
+        per_m: 0.0,
+        speed_mps: 5.0,
+        at_change_share: 0.0,
+        at_change_mps: 5.0,
+    };
+    TripDriver::new(wanted, acceleration, braking, slowdowns).unwrap()
+}
+
+/// One limit, from standstill.
+fn map(length_m: f64, limit_mps: f64) -> RoadMap {
+    RoadMap {
+        length_m,
+        limits: vec![LimitFrom {
+            position_m: 0.0,
+            limit_mps,
+        }],
+        ..RoadMap::default()
+    }
+}
+
+fn stop(position_m: f64, dwell_s: f64) -> RoadStop {
+    RoadStop {
+        position_m,
+        dwell_s,
+    }
+}
+
+fn log_of(channels: Vec<(Channel, Vec<f64>)>, step_s: f64) -> DriveLog {
+    let channels: BTreeMap<Channel, Vec<f64>> = channels.into_iter().collect();
+    DriveLog::new("log", 0.0, step_s, channels).unwrap()
+}
+
+fn with_limit(speed_mps: Vec<f64>, limit_mps: f64, step_s: f64) -> DriveLog {
+    let limits = vec![limit_mps; speed_mps.len()];
+    let channels = vec![(Channel::Speed, speed_mps), (Channel::SpeedLimit, limits)];
+    log_of(channels, step_s)
+}
+
+#[test]
+fn a_stop_is_met_exactly_and_stood_at() {
+    let road = Road::new(RoadMap {
+        stops: vec![stop(0.0, 3.0), stop(500.0, 7.0), stop(502.0, 1.0)],
+        ..map(1000.0, 14.0)
+    });
+    let run = driver().drive(&road.unwrap(), 0.1, None).unwrap();
+    assert!(run.speed_mps[..=30].iter().all(|v| *v == 0.0) && run.speed_mps[31] > 0.0);
+    let standing = (31..run.speed_mps.len()).filter(|&k| run.speed_mps[k] == 0.0);
+    let standing: Vec<usize> = standing.collect();
+    assert!((80..=81).contains(&standing.len()));
+    assert!(standing.iter().all(|&k| run.position_m[k] == 500.0));
+    // Braking by 14 m/s takes 0.4·√14 m/s².
+    let decel_mps2 = 0.4 * 14.0_f64.sqrt();
+    let (arrival, before) = (standing[0], standing[0] - 50);
+    let left_m = 500.0 - run.position_m[before];
+    assert!((run.speed_mps[before] - (2.0 * decel_mps2 * left_m).sqrt()).abs() < 1e-3);
+    assert!(run.speed_mps[arrival - 1] < 0.1 * decel_mps2 + 1e-9);
+    assert!((run.end_s - 0.1 * (run.speed_mps.len() - 1) as f64).abs() < 0.1);
+    assert!(*run.position_m.last().unwrap() > 999.0);
+}
+
+#[test]
+fn the_clock_keeps_a_constant_speed_and_ends_when_told() {
+    let road = Road::new(RoadMap {
+        start_speed_mps: 20.0,
+        ..map(1000.0, 20.0)
+    })
+    .unwrap();
+    let clock = Clock::of(&road, driver().plan(&road, road.cap_mps()));
+    for (node, arrival_s) in clock.arrival_s.iter().enumerate() {
+        assert!((arrival_s - node as f64 / 20.0).abs() < 1e-9);
+    }
+    let run = driver().drive(&road, 0.5, Some(10.0)).unwrap();
+    assert_eq!((run.speed_mps.len(), run.end_s), (21, 10.0));
+    assert!((run.position_m[20] - 200.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_free_start_follows_the_law_of_acceleration() {
+    let road = Road::new(map(2000.0, 25.0)).unwrap();
+    let run = driver().drive(&road, 0.1, None).unwrap();
+    // v̇ = A√(1 − v/w) gives v = w − w(1 − A t/(2 w))², reached after 2 w/A.
+    for t in [2.0, 10.0, 20.0, 26.0] {
+        let expected = 25.0 - 25.0 * (1.0 - 1.9 * t / 50.0_f64).powi(2);
+        let found = run.speed_mps[(t * 10.0) as usize];
+        assert!((found - expected).abs() < 0.15, "{found} {expected} at {t}");
+    }
+    assert!((run.speed_mps[300] - 25.0).abs() < 1e-9);
+}
+
+#[test]
+fn slopes_and_expected_slowdowns_are_where_they_belong() {
+    let mut driver = driver();
+    driver.slowdowns.per_m = 0.002;
+    let hill = [(0.0, 0.0), (1000.0, 0.1)].map(|(position_m, slope_rad)| SlopeAt {
+        position_m,
+        slope_rad,
+    });
+    let map = RoadMap {
+        slope: hill.to_vec(),
+        ..map(1000.0, 14.0)
+    };
+    let road = Road::new(map.clone()).unwrap();
+    let run = driver.drive(&road, 0.1, None).unwrap();
+    for (position_m, slope_rad) in run.position_m.iter().zip(run.slope_rad.as_ref().unwrap()) {
+        assert!((slope_rad - 1e-4 * position_m.min(1000.0)).abs() < 1e-12);
+    }
+    let expected = driver.expected_slowdowns(&road);
+    assert_eq!(expected.len(), 2);
+    let at = |run: &FreeRun, position_m| run.position_m.partition_point(|s| *s < position_m);
+    let slow = at(&run, expected[0].position_m.round());
+    assert!((run.speed_mps[slow] - 5.0).abs() < 0.2);
+
+    let known = RoadMap {
+        slow_points: Some(vec![]),
+        ..map
+    };
+    let road = Road::new(known).unwrap();
+    assert!(driver.expected_slowdowns(&road).is_empty());
+    let run = driver.drive(&road, 0.1, None).unwrap();
+    assert!(run.speed_mps[at(&run, 334.0)] > 13.9);
+}
+
+#[test]
+fn neither_the_spacing_of_nodes_nor_the_step_matters() {
+    let map = RoadMap {
+        stops: vec![stop(0.0, 2.0), stop(800.0, 9.0), stop(2950.0, 5.0)],
+        limits: [(0.0, 14.0), (1000.0, 28.0), (2000.0, 8.0)]
+            .map(|(position_m, limit_mps)| LimitFrom {
+                position_m,
+                limit_mps,
+            })
+            .to_vec(),
+        ..map(3000.0, 14.0)
+    };
+    let driver = driver();
+    let end_s = |spacing_m| {
+        let road = Road::with_spacing(map.clone(), spacing_m).unwrap();
+        let clock = Clock::of(&road, driver.plan(&road, road.cap_mps()));
+        clock.arrival_s[(3000.0 / spacing_m) as usize]
+    };
+    for spacing_m in [0.5, 2.0] {
+        let off = end_s(spacing_m) / end_s(1.0) - 1.0;
+        assert!(off.abs() < 4e-3, "{off} at {spacing_m} m");
+    }
+    let road = Road::new(map).unwrap();
+    let coarse = driver.drive(&road, 1.0, None).unwrap();
+    let fine = driver.drive(&road, 0.1, None).unwrap();
+    for (k, v) in coarse.speed_mps.iter().enumerate() {
+        assert!((v - fine.speed_mps[10 * k]).abs() < 1e-9);
+        assert!((coarse.position_m[k] - fine.position_m[10 * k]).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_driver_survives_its_file_and_files_are_checked() {
+    let mut driver = driver();
+    driver.wanted.by_limit = vec![
+        LimitHabit {
+            limit_mps: 13.89,
+            bias_mps: 0.1 + 0.2,
+        },
+        LimitHabit {
+            limit_mps: 13.9,
+            bias_mps: 0.5,
+        },
+    ];
+    let json = serde_json::to_string(&driver).unwrap();
+    let read = |json: &str| serde_json::from_str::<TripDriver>(json);
+    assert_eq!(read(&json).unwrap(), driver);
+    for (what, instead) in [
+        ("\"exponent\":0.5", "\"exponent\":1.5"),
+        ("\"scale_mps2\":1.9", "\"scale_mps2\":0.0"),
+        ("\"scale_mps2\":1.9", "\"scale_mps2\":1.9,\"other\":1"),
+        ("\"wanted\":{", "\"other\":1,\"wanted\":{"),
+        ("\"per_m\":0.0", "\"per_m\":1.0"),
+        ("\"limit_mps\":13.9,", "\"limit_mps\":13.89,"),
+        ("\"limit_mps\":13.9,", "\"limit_mps\":1e9,"),
+    ] {
+        assert!(json.contains(what), "{what} in {json}");
+        assert!(read(&json.replace(what, instead)).is_err(), "{instead}");
+    }
+}
+
+#[test]
+fn logs_that_cannot_be_used_say_why() {
+    let speed = vec![10.0; 50];
+    let said = |log: &DriveLog| TripDriver::fit(&[log]).unwrap_err();
+    let without = log_of(vec![(Channel::Speed, speed.clone())], 0.1);
+    assert!(said(&without).to_string().contains("speed_limit_mps has 0 samples"));
+    let mut limits = vec![13.9; 50];
+    limits[20] = f64::NAN;
+    let channels = vec![(Channel::Speed, speed.clone()), (Channel::SpeedLimit, limits)];
+    let in_parts = log_of(channels, 0.1);
+    assert!(matches!(
+        said(&in_parts),
+        Error::Log(drive_log::Error::NotFinite { index: 20, .. })
+    ));
+    assert!(matches!(
+        said(&with_limit(speed.clone(), 139.0, 0.1)),
+        Error::Option { name: "speed_limit_mps", .. }
+    ));
+    assert!(matches!(TripDriver::fit(&[]), Err(Error::Fit { .. })));
+    let slope = Road::of_log(&with_limit(speed, 13.9, 0.1), Some(&[0.0]), RoadKnowledge::Stops);
+    assert!(matches!(slope, Err(Error::Log(drive_log::Error::Length { found: 1, .. }))));
+}
+
+#[test]
+fn absurd_roads_are_refused() {
+    for bad in [
+        map(1.2e6, 30.0),
+        map(f64::INFINITY, 30.0),
+        map(f64::NAN, 30.0),
+        map(100.0, 0.0),
+        RoadMap {
+            limits: vec![],
+            ..map(100.0, 30.0)
+        },
+        RoadMap {
+            stops: vec![stop(90.0, 1.0), stop(80.0, 1.0)],
+            ..map(100.0, 30.0)
+        },
+        RoadMap {
+            stops: vec![stop(110.0, 1.0)],
+            ..map(100.0, 30.0)
+        },
+    ] {
+        assert!(matches!(Road::new(bad), Err(Error::Option { .. })));
+    }
+    // 1200 km in 50 min.
+    let fast = with_limit(vec![400.0; 3000], 30.0, 1.0);
+    let road = Road::of_log(&fast, None, RoadKnowledge::Stops);
+    assert!(matches!(road, Err(Error::Option { name: "length_m", .. })));
+    let road = Road::new(map(1e5, 30.0)).unwrap();
+    for step_s in [1e-6, 0.0, -1.0, f64::NAN] {
+        assert!(driver().drive(&road, step_s, None).is_err());
+    }
+}
+
+#[test]
+fn what_logs_do_not_show_has_fallbacks() {
+    for log in [
+        with_limit(vec![14.4; 1000], 13.89, 0.1),
+        with_limit(vec![0.0; 1000], 13.89, 0.1),
+        with_limit(vec![3.0], 13.89, 1.0),
+    ] {
+        let driver = TripDriver::fit(&[&log]).unwrap();
+        assert_eq!((driver.acceleration.rises, driver.braking.falls), (0, 0));
+        assert_eq!((driver.acceleration.scale_mps2, driver.acceleration.max_mps2), (1.5, 2.0));
+        let braking = driver.braking;
+        assert_eq!((braking.scale_mps2, braking.exponent, braking.max_mps2), (0.4, 0.5, 2.5));
+        assert_eq!(driver.slowdowns.per_m, 0.0);
+        let cruises = log.speed_mps()[0] > 10.0;
+        let bias_mps = if cruises { 0.51 } else { 0.0 };
+        assert!((driver.wanted.mps(13.89) - 13.89 - bias_mps).abs() < 1e-9);
+        let road = Road::of_log(&log, None, RoadKnowledge::Stops).unwrap();
+        assert!(driver.drive(&road, 0.1, None).unwrap().end_s.is_finite());
+    }
+}
+
+#[test]
+fn stops_and_slow_points_are_read_from_a_log() {
+    let ramp = |from: f64, to: f64| (0..50).map(move |k| from + (to - from) * f64::from(k) / 50.0);
+    let speed: Vec<f64> = std::iter::repeat_n(0.0, 20)
+        .chain(ramp(0.0, 14.0))
+        .chain(ramp(14.0, 5.0))
+        .chain(ramp(5.0, 14.0))
+        .chain(ramp(14.0, 0.0))
+        .chain(std::iter::repeat_n(0.0, 30))
+        .chain(ramp(0.0, 14.0))
+        .collect();
+    let recording = recording::Recording::of(&with_limit(speed, 13.89, 0.1)).unwrap();
+    let stops: Vec<(f64, f64)> = recording.map.stops.iter().map(|s| (s.position_m, s.dwell_s)).collect();
+    assert_eq!(stops.len(), 2);
+    // 0.3 m/s are crossed 0.3/14·5 s after the ramp begins.
+    let crossing_s = 5.0 * 0.3 / 14.0;
+    assert!((stops[0].1 - 2.0 - crossing_s).abs() < 1e-9 && stops[0].0 == 0.0);
+    assert!((stops[1].1 - 3.0 - 2.0 * crossing_s).abs() < 0.03 && (stops[1].0 - 165.0).abs() < 0.1);
+    let slow = recording.map.slow_points.unwrap();
+    assert_eq!((slow.len(), slow[0].speed_mps), (1, 5.0));
+}
+
+/// Table, line and laws anywhere in or near what a fit gives.
+fn drivers() -> impl Strategy<Value = TripDriver> {
+    let laws = (0.2..4.0_f64, 0.3..4.0_f64, 0.1..3.0_f64, 0.0..1.0_f64, 0.5..4.0_f64);
+    let habit = (-3.0..3.0_f64, -0.2..0.2_f64, 0.0..0.004_f64, 0.0..1.0_f64);
+    (laws, habit).prop_map(|((a, a_max, c, gamma, b_max), (offset, per_limit, per_m, share))| {
+        let mut driver = driver();
+        driver.acceleration.scale_mps2 = a;
+        driver.acceleration.max_mps2 = a_max;
+        driver.braking.scale_mps2 = c;
+        driver.braking.exponent = gamma;
+        driver.braking.max_mps2 = b_max;
+        driver.wanted.line.offset_mps = offset;
+        driver.wanted.line.per_limit = per_limit;
+        driver.slowdowns.per_m = per_m;
+        driver.slowdowns.at_change_share = share;
+        driver
+    })
+}
+
+fn maps() -> impl Strategy<Value = RoadMap> {
+    let limits = proptest::collection::vec((1.0..400.0_f64, 1.0..45.0_f64), 1..12);
+    let stops = proptest::collection::vec((0.0..1.0_f64, 0.0..30.0_f64), 0..6);
+    let slow = proptest::collection::vec((0.0..1.0_f64, 0.3..30.0_f64), 0..6);
+    (limits, stops, proptest::option::of(slow), 0.0..40.0_f64, any::<bool>()).prop_map(
+        |(limits, mut stops, slow, start_speed_mps, stands)| {
+            let mut length_m = 0.0;
+            let limits = limits.into_iter().map(|(m, limit_mps)| {
+                let position_m = length_m;
+                length_m += m;
+                LimitFrom {
+                    position_m,
+                    limit_mps,
+                }
+            });
+            let limits = limits.collect();
+            stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+            RoadMap {
+                length_m,
+                start_speed_mps: if stands { 0.0 } else { start_speed_mps },
+                limits,
+                stops: stops.into_iter().map(|(s, dwell_s)| stop(s * length_m, dwell_s)).collect(),
+                slow_points: slow.map(|points| {
+                    let point = |(s, speed_mps): (f64, f64)| SlowPoint {
+                        position_m: s * length_m,
+                        speed_mps,
+                    };
+                    points.into_iter().map(point).collect()
+                }),
+                slope: vec![],
+            }
+        },
+    )
+}
+
+/// Every event looks all the way back.
+fn plain_ceiling(driver: &TripDriver, road: &Road, cap_mps: &[f64]) -> Vec<f64> {
+    let wanted: Vec<f64> = road.limit_mps().iter().map(|&l| driver.wanted().mps(l)).collect();
+    let mut ceiling: Vec<f64> = wanted.iter().zip(cap_mps).map(|(w, c)| w.min(*c)).collect();
+    for q in 1..ceiling.len() {
+        let lower = (wanted[q] < wanted[q - 1] - 0.01).then_some(wanted[q]);
+        for u in [Some(cap_mps[q]), lower].into_iter().flatten() {
+            if wanted[q - 1] - u > 0.01 {
+                let d = driver.braking().mps2(wanted[q - 1] - u);
+                for (i, v) in ceiling[..q].iter_mut().enumerate() {
+                    *v = v.min((u * u + 2.0 * d * (q - i) as f64).sqrt());
+                }
+            }
+        }
+    }
+    ceiling
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+
+    #[test]
+    fn plans_keep_to_limits_caps_and_laws(driver in drivers(), map in maps()) {
+        let road = Road::new(map).unwrap();
+        let mut cap_mps = road.cap_mps().to_vec();
+        road.cap_at(&driver.expected_slowdowns(&road), &mut cap_mps);
+        let plan = driver.plan(&road, &cap_mps);
+        let ceiling = plain_ceiling(&driver, &road, &cap_mps);
+        let (a_max, b_max) = (
+            driver.acceleration().max_mps2.min(driver.acceleration().scale_mps2),
+            // A drop of the wanted speed by 0.01 m/s is no event.
+            driver.braking().max_mps2 + 0.01 * 60.0,
+        );
+        for (k, v) in plan.iter().enumerate() {
+            prop_assert!(*v >= 0.0 && *v <= ceiling[k] + 1e-9);
+            prop_assert!(road.dwell_s()[k] == 0.0 || *v == 0.0);
+            let Some(next) = plan.get(k + 1) else { break };
+            let accel_mps2 = (next * next - v * v) / (2.0 * road.spacing_m());
+            prop_assert!(accel_mps2 <= a_max + 1e-9, "{accel_mps2} > {a_max} at {k}");
+            prop_assert!(accel_mps2 >= -b_max - 1e-9, "{accel_mps2} < -{b_max} at {k}");
+            prop_assert!(v + next > 0.0, "stands for ever at {k}");
+            // Where it does not accelerate as the law says, the ceiling is the reason.
+            let wanted = driver.wanted().mps(road.limit_mps()[k]);
+            let free = 2.0 * driver.acceleration().mps2(*v, wanted) * road.spacing_m();
+            let held = (next - ceiling[k + 1]).abs() < 1e-9;
+            prop_assert!(held || (next * next - v * v - free).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn runs_never_reverse_and_keep_to_the_laws(driver in drivers(), map in maps(), step_s in 0.05..2.0_f64) {
+        let road = Road::new(map).unwrap();
+        let run = driver.drive(&road, step_s, None).unwrap();
+        let (a_max, b_max) = (
+            driver.acceleration().max_mps2.min(driver.acceleration().scale_mps2),
+            driver.braking().max_mps2 + 0.01 * 60.0,
+        );
+        prop_assert!(run.position_m[0] == 0.0 && run.speed_mps.iter().all(|v| *v >= 0.0));
+        for (v, s) in run.speed_mps.windows(2).zip(run.position_m.windows(2)) {
+            let accel_mps2 = (v[1] - v[0]) / step_s;
+            prop_assert!((-b_max - 1e-6..=a_max + 1e-6).contains(&accel_mps2), "{accel_mps2}");
+            prop_assert!(s[1] >= s[0]);
+        }
+        let last_m = *run.position_m.last().unwrap();
+        prop_assert!(last_m <= (road.nodes() - 1) as f64 * road.spacing_m());
+        prop_assert!(run.end_s - step_s * (run.speed_mps.len() - 1) as f64 <= step_s + 1e-6);
+    }
+
+    #[test]
+    fn hostile_logs_never_panic(
+        rows in proptest::collection::vec(
+            ((prop_oneof![8 => 0.0..40.0_f64, 1 => Just(-3.0), 1 => Just(0.0), 1 => Just(1e300)], 0.6..60.0_f64), 1..40_usize),
+            1..30,
+        ),
+        step_s in prop_oneof![Just(0.1), Just(1.0), Just(7.0), Just(0.01)],
+    ) {
+        let rows: Vec<(f64, f64)> = rows.into_iter().flat_map(|(row, n)| vec![row; n]).collect();
+        let (speed, limit) = rows.into_iter().unzip();
+        let log = log_of(vec![(Channel::Speed, speed), (Channel::SpeedLimit, limit)], step_s);
+        let Ok(driver) = TripDriver::fit(&[&log]) else { return Ok(()) };
+        let json = serde_json::to_string(&driver).unwrap();
+        prop_assert_eq!(&serde_json::from_str::<TripDriver>(&json).unwrap(), &driver);
+        for knowledge in [RoadKnowledge::Stops, RoadKnowledge::StopsAndSlowdowns] {
+            let road = Road::of_log(&log, None, knowledge).unwrap();
+            let run = driver.drive(&road, 0.5, None).unwrap();
+            prop_assert!(run.end_s.is_finite() && run.speed_mps.iter().all(|v| *v >= 0.0));
+        }
+    }
+}

@@ -4,7 +4,7 @@ use ev_energy::Vehicle;
 use rayon::prelude::*;
 
 use super::horizon::{HorizonErrors, HorizonRow, HorizonVerdict, verdicts};
-use super::{Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, TripFigures};
+use super::{Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, TripFigures, TripSummary};
 use crate::Error;
 
 /// Drives of an evaluation, in units that are held out together.
@@ -16,6 +16,23 @@ pub struct TrajectoryData {
     pub unit_of: Vec<usize>,
     /// Names of the units.
     pub units: Vec<String>,
+}
+
+impl TrajectoryData {
+    /// Takes the drives of every log; logs with the same name of unit are held out together.
+    #[must_use]
+    pub fn new(courses_of_logs: Vec<Vec<Course>>, unit_names: &[String]) -> Self {
+        let mut data = Self { courses: Vec::new(), unit_of: Vec::new(), units: Vec::new() };
+        for (courses, name) in courses_of_logs.into_iter().zip(unit_names) {
+            let unit = data.units.iter().position(|unit| unit == name).unwrap_or_else(|| {
+                data.units.push(name.clone());
+                data.units.len() - 1
+            });
+            data.unit_of.extend(courses.iter().map(|_| unit));
+            data.courses.extend(courses);
+        }
+        data
+    }
 }
 
 /// What is evaluated.
@@ -65,6 +82,14 @@ pub struct TrialResult {
     pub fits: Vec<FittedTrial>,
     /// In the order of drives.
     pub trips: Vec<TrialTrip>,
+}
+
+impl TrialResult {
+    /// The row of Table 4.1; `None` without trips.
+    #[must_use]
+    pub fn summary(&self) -> Option<TripSummary> {
+        TripSummary::of(self.trips.iter().map(|trip| &trip.figures))
+    }
 }
 
 /// The outcome of [`evaluate_trajectory`].

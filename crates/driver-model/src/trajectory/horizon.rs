@@ -51,7 +51,7 @@ impl HorizonErrors {
 }
 
 /// Figures of one model at one horizon.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct HorizonFigures {
     /// Root mean square error.
     pub rmse_mps: f64,
@@ -124,7 +124,7 @@ impl HorizonRow {
 }
 
 /// The best model against the best baseline.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct HorizonVerdict {
     /// Seconds ahead.
     pub horizon_s: f64,
@@ -135,7 +135,7 @@ pub struct HorizonVerdict {
     /// Root mean square error of the model less that of the baseline.
     pub difference_mps: f64,
     /// 95 % interval over units of the difference of mean square errors, in (m/s)²; `None` for one unit.
-    pub interval: Option<(f64, f64)>,
+    pub square_difference_interval: Option<(f64, f64)>,
     /// What the interval says of the model.
     pub verdict: Verdict,
 }
@@ -155,7 +155,7 @@ pub(super) fn verdicts(rows: &[HorizonRow], horizons_s: &[f64]) -> Vec<HorizonVe
             model: model.model.clone(),
             baseline: baseline.model.clone(),
             difference_mps: model.figures[horizon].rmse_mps - baseline.figures[horizon].rmse_mps,
-            interval: interval.map(|interval| (interval.low, interval.high)),
+            square_difference_interval: interval.map(|interval| (interval.low, interval.high)),
             verdict: interval.as_ref().map_or(Verdict::Unclear, Verdict::of),
         })
     };

@@ -1,3 +1,6 @@
+use std::fmt;
+use std::str::FromStr;
+
 use serde::{Deserialize, Serialize};
 
 /// A way to predict the speed some seconds ahead.
@@ -93,5 +96,20 @@ impl DirectKind {
             Self::DecayingAcceleration => Some(DECAY_S * (1.0 - (-horizon_s / DECAY_S).exp())),
             _ => None,
         }
+    }
+}
+
+impl fmt::Display for DirectKind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+impl FromStr for DirectKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|kind| kind.name() == text);
+        found.ok_or_else(|| format!("known models: {}", Self::ALL.map(Self::name).join(", ")))
     }
 }

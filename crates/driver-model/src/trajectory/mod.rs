@@ -18,4 +18,4 @@ pub use evaluation::{
 pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
 pub use kind::DirectKind;
 pub use trial::{FittedTrial, Trial, TrialSettings};
-pub use trip_figures::TripFigures;
+pub use trip_figures::{TripFigures, TripSummary};

@@ -2,9 +2,10 @@ use ev_energy::Vehicle;
 
 use super::Course;
 use crate::Error;
+use crate::statistics::mean;
 
 /// How well a whole trip was predicted: the columns of Table 4.1, and two that say more.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct TripFigures {
     /// Battery energy of the measured speed.
     pub measured_energy_j: f64,
@@ -68,4 +69,47 @@ fn energy_j(course: &Course, speed_mps: &[f64], vehicle: &Vehicle) -> Result<f64
         ..ev_energy::Trip::default()
     })?;
     Ok(energy.battery_energy_j)
+}
+
+/// Figures of several trips together: energies are summed, the rest are means over trips.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct TripSummary {
+    /// Trips.
+    pub trips: usize,
+    /// Battery energy of the measured speeds.
+    pub measured_energy_j: f64,
+    /// Battery energy of the predicted speeds; `None` where a prediction is no speed that a vehicle could have.
+    pub energy_j: Option<f64>,
+    /// Measured less predicted: positive where the prediction uses less.
+    pub energy_difference_j: Option<f64>,
+    /// `√SSE/n` of the speed.
+    pub sqrt_sse_speed_mps: f64,
+    /// The same of the acceleration.
+    pub sqrt_sse_accel_mps2: f64,
+    /// Share of samples within half the width of the band.
+    pub in_band_pct: f64,
+    /// Root mean square error of the speed.
+    pub rmse_mps: f64,
+    /// Mean magnitude of the error of the distance.
+    pub abs_distance_error_pct: f64,
+}
+
+impl TripSummary {
+    /// Of the figures of trips; `None` without any.
+    pub(super) fn of<'a>(figures: impl Iterator<Item = &'a TripFigures> + Clone) -> Option<Self> {
+        let mean_of = |of: fn(&TripFigures) -> f64| mean(figures.clone().map(of));
+        let measured_energy_j = figures.clone().map(|f| f.measured_energy_j).sum();
+        let energy_j: Option<f64> = figures.clone().map(|f| f.energy_j).sum();
+        Some(Self {
+            trips: figures.clone().count(),
+            measured_energy_j,
+            energy_j,
+            energy_difference_j: energy_j.map(|energy_j| measured_energy_j - energy_j),
+            sqrt_sse_speed_mps: mean_of(|f| f.sqrt_sse_speed_mps)?,
+            sqrt_sse_accel_mps2: mean_of(|f| f.sqrt_sse_accel_mps2)?,
+            in_band_pct: mean_of(|f| f.in_band_pct)?,
+            rmse_mps: mean_of(|f| f.rmse_mps)?,
+            abs_distance_error_pct: mean_of(|f| f.distance_error_pct.abs())?,
+        })
+    }
 }

@@ -16,6 +16,7 @@ mod energy;
 mod evaluation;
 mod fitting;
 mod following;
+mod free_run;
 mod model_file;
 mod phases;
 mod reference_vectors;

@@ -1,0 +1,178 @@
+//! The document of a trajectory evaluation, and what the report gets beyond it.
+
+use std::collections::BTreeMap;
+
+use driver_model::trajectory::{
+    FittedTrial, HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
+    TrajectorySettings, TrialResult, TripFigures, TripSummary,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    task: &'static str,
+    drives: usize,
+    units: &'a [String],
+    origins: usize,
+    band_kmh: f64,
+    /// By seconds ahead, then by model.
+    horizons: BTreeMap<String, BTreeMap<&'a str, HorizonFigures>>,
+    models: BTreeMap<&'a str, Entry>,
+    baselines: BTreeMap<&'a str, Entry>,
+    verdicts: &'a [HorizonVerdict],
+    trials: Vec<Trial<'a>>,
+    left_out: BTreeMap<&'a str, &'a str>,
+}
+
+/// One model, its figures by seconds ahead.
+#[derive(Serialize)]
+struct Entry {
+    rmse_mps: BTreeMap<String, f64>,
+    skill_pct: BTreeMap<String, f64>,
+    fold_skill_pct: BTreeMap<String, Vec<f64>>,
+    fit_seconds: f64,
+    predict_seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Trial<'a> {
+    trial: usize,
+    #[serde(flatten)]
+    summary: Option<TripSummary>,
+    fits: Vec<Fit>,
+    trips: Vec<Trip<'a>>,
+}
+
+#[derive(Serialize)]
+struct Fit {
+    samples: usize,
+    predictors: usize,
+    hold_out_rmse_mps: f64,
+    status: svr::Status,
+    box_constraint: f64,
+    tube_epsilon: f64,
+    support_vectors: usize,
+    primal_objective: f64,
+    duality_gap: f64,
+    kkt_residual: f64,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Trip<'a> {
+    drive: &'a str,
+    #[serde(flatten)]
+    figures: &'a TripFigures,
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn new(data: &'a TrajectoryData, settings: &TrajectorySettings, evaluation: &'a TrajectoryEvaluation) -> Self {
+        let keys: Vec<String> = evaluation.horizons_s.iter().map(f64::to_string).collect();
+        let by_horizon = |(k, key): (usize, &String)| {
+            let rows = evaluation.rows.iter().map(|row| (row.model.as_str(), row.figures[k]));
+            (key.clone(), rows.collect())
+        };
+        let entries = |baseline: bool| {
+            let rows = evaluation.rows.iter().filter(move |row| row.baseline == baseline);
+            rows.map(|row| (row.model.as_str(), Entry::new(row, &evaluation.rows[0], &keys, settings.folds))).collect()
+        };
+        Self {
+            task: "trajectory",
+            drives: data.courses.len(),
+            units: &data.units,
+            origins: evaluation.rows.first().map_or(0, |row| row.origins),
+            band_kmh: settings.band_mps * 3.6,
+            horizons: keys.iter().enumerate().map(by_horizon).collect(),
+            models: entries(false),
+            baselines: entries(true),
+            verdicts: &evaluation.verdicts,
+            trials: evaluation.trials.iter().map(|trial| Trial::new(trial, data)).collect(),
+            left_out: evaluation.left_out.iter().map(|(model, reason)| (model.as_str(), reason.as_str())).collect(),
+        }
+    }
+}
+
+impl Entry {
+    fn new(row: &HorizonRow, persistence: &HorizonRow, keys: &[String], folds: usize) -> Self {
+        let of = |figure: fn(&HorizonFigures) -> f64| {
+            keys.iter().cloned().zip(row.figures.iter().map(figure)).collect()
+        };
+        let fold_skill = |(k, key): (usize, &String)| (key.clone(), row.fold_skill_pct(persistence, k, folds));
+        Self {
+            rmse_mps: of(|figures| figures.rmse_mps),
+            skill_pct: of(|figures| figures.skill_pct),
+            fold_skill_pct: keys.iter().enumerate().map(fold_skill).collect(),
+            fit_seconds: row.fit_seconds,
+            predict_seconds: row.predict_seconds,
+        }
+    }
+}
+
+impl<'a> Trial<'a> {
+    fn new(result: &'a TrialResult, data: &'a TrajectoryData) -> Self {
+        let trip = |trip: &'a driver_model::trajectory::TrialTrip| Trip {
+            drive: &data.courses[trip.course].name,
+            figures: &trip.figures,
+        };
+        Self {
+            trial: result.trial.number(),
+            summary: result.summary(),
+            fits: result.fits.iter().map(Fit::new).collect(),
+            trips: result.trips.iter().map(trip).collect(),
+        }
+    }
+}
+
+impl Fit {
+    fn new(fitted: &FittedTrial) -> Self {
+        let fit = &fitted.fit;
+        Self {
+            samples: fitted.samples,
+            predictors: fit.model.predictors(),
+            hold_out_rmse_mps: fitted.hold_out_rmse_mps,
+            status: fit.status,
+            box_constraint: fit.penalty.box_constraint,
+            tube_epsilon: fit.penalty.tube_epsilon,
+            support_vectors: fit.support_vectors,
+            primal_objective: fit.primal_objective,
+            duality_gap: fit.duality_gap(),
+            kkt_residual: fit.kkt_residual,
+            seconds: fit.seconds,
+        }
+    }
+}
+
+/// Adds what figures 4.4 to 4.11 draw: one drive that was learnt from, and the longest one as every trial predicts it.
+pub(super) fn with_curves(mut document: Value, data: &TrajectoryData, evaluation: &TrajectoryEvaluation) -> Value {
+    let Some(shown) = (0..data.courses.len()).max_by_key(|&i| data.courses[i].len()) else {
+        return document;
+    };
+    let course = &data.courses[shown];
+    // Another unit than the one shown, so that it was learnt from.
+    let learnt = (0..data.courses.len()).find(|&i| data.unit_of[i] != data.unit_of[shown]).unwrap_or(shown);
+    let predicted = evaluation.trials.iter().filter_map(|result| {
+        let trip = result.trips.iter().find(|trip| trip.course == shown)?;
+        Some(json!({ "trial": result.trial.number(), "speed_mps": rounded(&trip.speed_mps) }))
+    });
+    document["curves"] = json!({
+        "shown": drive(course),
+        "learnt": drive(&data.courses[learnt]),
+        "predicted": predicted.collect::<Vec<_>>(),
+    });
+    document
+}
+
+fn drive(course: &driver_model::trajectory::Course) -> Value {
+    json!({
+        "name": course.name,
+        "step_s": course.step_s,
+        "speed_mps": rounded(&course.speed_mps),
+        "limit_mps": course.limit_mps.as_deref().map(rounded),
+    })
+}
+
+/// To a millimetre per second, which no picture shows; not a number becomes null.
+fn rounded(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| (value * 1e3).round() / 1e3).collect()
+}

@@ -1,0 +1,114 @@
+//! `evaluate --task trajectory`: the speed of the next seconds, and of whole trips from limits.
+
+mod document;
+mod text;
+
+use anyhow::bail;
+use clap::Args;
+use driver_model::trajectory::{
+    Course, DirectKind, DirectSettings, TrajectoryData, TrajectoryEvaluation, TrajectorySettings,
+    evaluate_trajectory,
+};
+use ev_energy::Vehicle;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{EvaluateArgs, EvaluatedModel};
+use crate::flags::{Context, Format};
+use crate::inputs::Input;
+use crate::output;
+use crate::progress::Progress;
+use crate::render::html;
+use crate::render::json::Document;
+
+#[derive(Debug, Clone, Args, Serialize)]
+#[command(next_help_heading = "Trajectory")]
+pub(super) struct TrajectoryArgs {
+    /// Seconds ahead, comma separated
+    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_name = "S")]
+    horizons: Vec<f64>,
+    /// Number of folds: every so many units are held out together
+    #[arg(long, default_value_t = TrajectorySettings::default().folds, value_name = "N")]
+    folds: usize,
+    /// Let models know the slope ahead. Not with elevation recorded on the same drive: its errors tell where the car stood
+    #[arg(long)]
+    slope_ahead: bool,
+    /// Most training samples of a model
+    #[arg(long, default_value_t = DirectSettings::default().max_samples, value_name = "N")]
+    max_samples: usize,
+}
+
+impl EvaluateArgs {
+    /// Evaluates, prints, and returns the document.
+    pub(super) fn evaluate_trajectory(
+        &self,
+        inputs: &[Input],
+        vehicle: &Vehicle,
+        context: &Context,
+    ) -> anyhow::Result<serde_json::Value> {
+        let settings = self.trajectory_settings()?;
+        let data = self.trajectory_data(inputs, context)?;
+        let progress = Progress::new(context, "evaluating", settings.steps(&data));
+        let evaluation = evaluate_trajectory(&data, vehicle, &settings, &|| progress.step())?;
+        drop(progress);
+        for (model, reason) in &evaluation.left_out {
+            output::note(context, &format!("`{model}` is left out: {reason}"));
+        }
+        if evaluation.trials.is_empty() {
+            output::note(context, "no speed limits in some drive: the trials of the thesis are left out");
+        }
+        let body = document::Body::new(&data, &settings, &evaluation);
+        let document = Document::new("evaluate", self, inputs, body);
+        let figures = serde_json::to_value(&document)?;
+        if let Some(path) = &self.report {
+            let shown = document::with_curves(figures.clone(), &data, &evaluation);
+            let page = html::TRAJECTORY.filled(&shown);
+            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+            output::note(context, &format!("report written to {}", path.display()));
+        }
+        match context.format {
+            Format::Json => output::print_json(&document)?,
+            Format::Text => output::print_text(&text::render(self, &data, &evaluation))?,
+        }
+        Ok(figures)
+    }
+
+    fn trajectory_settings(&self) -> anyhow::Result<TrajectorySettings> {
+        let mut settings = TrajectorySettings {
+            folds: self.trajectory.folds,
+            band_mps: self.band_kmh() / 3.6,
+            ..TrajectorySettings::default()
+        };
+        settings.direct.horizons_s.clone_from(&self.trajectory.horizons);
+        settings.direct.horizons_s.sort_by(f64::total_cmp);
+        settings.direct.horizons_s.dedup();
+        settings.direct.slope_ahead = self.trajectory.slope_ahead;
+        settings.direct.max_samples = self.trajectory.max_samples;
+        settings.trials.max_samples = self.trajectory.max_samples;
+        if !self.models.is_empty() {
+            let named: anyhow::Result<Vec<DirectKind>> = self.models.iter().map(|model| match model {
+                EvaluatedModel::Direct(kind) => Ok(*kind),
+                EvaluatedModel::Phase(kind) => bail!("`{kind}` is a model of phases; leave out --task trajectory"),
+            }).collect();
+            settings.models = named?;
+        }
+        Ok(settings)
+    }
+
+    fn trajectory_data(&self, inputs: &[Input], context: &Context) -> anyhow::Result<TrajectoryData> {
+        let bandwidth_m = self.phases.settings().slope_bandwidth_m;
+        let of_input = |input: &Input| -> anyhow::Result<Vec<Course>> {
+            if input.drive.step_s > 1.5 * input.drive.pieces[0].step_s() {
+                output::note(context, &format!(
+                    "{}: recorded every {} s and resampled finer, so that the past holds something of the future; give --step {}",
+                    input.path, input.drive.step_s, input.drive.step_s,
+                ));
+            }
+            let courses = input.drive.pieces.iter().map(|log| Course::of_log(log, bandwidth_m));
+            Ok(courses.collect::<Result<_, _>>()?)
+        };
+        let courses: Vec<Vec<Course>> = inputs.par_iter().map(of_input).collect::<anyhow::Result<_>>()?;
+        let units: Vec<String> = inputs.iter().map(|input| self.hold_out.unit_of(input)).collect();
+        Ok(TrajectoryData::new(courses, &units))
+    }
+}

@@ -1,0 +1,103 @@
+//! The tables of a trajectory evaluation for people.
+
+use std::fmt::Write as _;
+
+use driver_model::trajectory::{HorizonRow, TrajectoryData, TrajectoryEvaluation};
+
+use super::EvaluateArgs;
+use crate::render::table::{Table, number};
+
+pub(super) fn render(args: &EvaluateArgs, data: &TrajectoryData, evaluation: &TrajectoryEvaluation) -> String {
+    let mut text = format!(
+        "{} drives, {} moments; every unit is held out once, in {} folds\n\n",
+        data.courses.len(),
+        evaluation.rows.first().map_or(0, |row| row.origins),
+        args.trajectory.folds,
+    );
+    text.push_str(&horizons(evaluation));
+    text.push_str(&verdicts(evaluation));
+    if !evaluation.trials.is_empty() {
+        text.push_str(&trials(args, evaluation));
+    }
+    text
+}
+
+/// Root mean square errors, at most as many columns as fit a screen.
+fn horizons(evaluation: &TrajectoryEvaluation) -> String {
+    let mut text = String::from("Root mean square error of the speed ahead, m/s\n\n");
+    let mut header = vec!["model".to_owned()];
+    header.extend(evaluation.horizons_s.iter().map(|h| format!("{h} s")));
+    header.extend(["90 % band holds".to_owned(), "fit s".to_owned()]);
+    let mut table = Table::with_columns(header);
+    let row = |row: &HorizonRow| {
+        let mut cells = vec![row.model.clone()];
+        cells.extend(row.figures.iter().map(|figures| number(figures.rmse_mps, 3)));
+        let coverage = row.figures.last().and_then(|figures| figures.coverage_pct);
+        cells.push(coverage.map_or_else(String::new, |pct| format!("{} %", number(pct, 1))));
+        cells.push(number(row.fit_seconds, 1));
+        cells
+    };
+    for baseline in [false, true] {
+        table.heading(if baseline { "baselines" } else { "models" });
+        for model in evaluation.rows.iter().filter(|row| row.baseline == baseline) {
+            table.add(row(model));
+        }
+    }
+    text.push_str(&table.render());
+    text
+}
+
+fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
+    let mut text = String::from("\nBest model against best baseline\n\n");
+    let mut table = Table::new(["ahead", "model", "baseline", "RMSE difference m/s", "against persistence", "over units"]);
+    for (k, verdict) in evaluation.verdicts.iter().enumerate() {
+        let row = evaluation.rows.iter().find(|row| row.model == verdict.model);
+        let skill = row.map_or(f64::NAN, |row| row.figures[k].skill_pct);
+        table.row([
+            format!("{} s", verdict.horizon_s),
+            verdict.model.clone(),
+            verdict.baseline.clone(),
+            number(verdict.difference_mps, 4),
+            format!("{} %", number(-skill, 1)),
+            verdict.verdict.name().to_owned(),
+        ]);
+    }
+    text.push_str(&table.render());
+    text
+}
+
+fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
+    let mut text = format!(
+        "\nTrials of the thesis (Table 4.1): whole trips from their limits; energy of {}\n\n",
+        args.vehicle
+    );
+    let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
+    let mut table = Table::new([
+        "trial", "E MJ", "ΔE MJ", "√SSE/n v km/h", "√SSE/n a m/s²", &band, "RMSE km/h", "distance off %",
+    ]);
+    for result in &evaluation.trials {
+        let Some(summary) = result.summary() else { continue };
+        let megajoules = |energy_j: Option<f64>| energy_j.map_or_else(|| "–".to_owned(), |j| number(j * 1e-6, 3));
+        table.row([
+            result.trial.number().to_string(),
+            megajoules(summary.energy_j),
+            megajoules(summary.energy_difference_j),
+            number(summary.sqrt_sse_speed_mps * 3.6, 3),
+            number(summary.sqrt_sse_accel_mps2, 4),
+            number(summary.in_band_pct, 1),
+            number(summary.rmse_mps * 3.6, 2),
+            number(summary.abs_distance_error_pct, 1),
+        ]);
+    }
+    text.push_str(&table.render());
+    if let Some(summary) = evaluation.trials.first().and_then(|result| result.summary()) {
+        let _ = writeln!(
+            text,
+            "\nMeasured: {} MJ on {} drives. ΔE: measured minus predicted. The rest are means over drives.\n\
+             A window of limits is one of time: it knows what limits the car will have reached 5 s later.",
+            number(summary.measured_energy_j * 1e-6, 3),
+            summary.trips,
+        );
+    }
+    text
+}
