@@ -27,7 +27,10 @@ impl Table {
 
     /// As [`Self::new`], where the number of columns is only known at run time.
     pub(crate) fn with_columns(header: Vec<String>) -> Self {
-        Self { header, rows: Vec::new() }
+        Self {
+            header,
+            rows: Vec::new(),
+        }
     }
 
     /// A row of a table [`Self::with_columns`].

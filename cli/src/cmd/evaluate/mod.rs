@@ -19,7 +19,6 @@ use serde::Serialize;
 
 use super::phases::{PhaseArgs, vehicle, width_kmh};
 use super::prior::PriorArgs;
-use trajectory::TrajectoryArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
@@ -28,6 +27,7 @@ use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::require::Requirement;
+use trajectory::TrajectoryArgs;
 
 /// Leave-one-out over models and baselines: the main job
 ///
@@ -111,7 +111,9 @@ impl FromStr for EvaluatedModel {
         let of_phases = text.parse().map(Self::Phase);
         of_phases.or_else(|phases: String| {
             let direct = text.parse().map(Self::Direct);
-            direct.map_err(|direct: String| format!("of phases, {phases}; with --task trajectory, {direct}"))
+            direct.map_err(|direct: String| {
+                format!("of phases, {phases}; with --task trajectory, {direct}")
+            })
         })
     }
 }
@@ -186,43 +188,43 @@ impl EvaluateArgs {
         vehicle: &ev_energy::Vehicle,
         context: &Context,
     ) -> anyhow::Result<serde_json::Value> {
-    let args = self;
-    let trips = args.phases.trips(inputs, context)?;
-    let prior = args
-        .prior
-        .trips(&args.logs.reading, &args.phases, context)?;
-    let findings = args.evaluate(inputs, &trips, &prior, vehicle, context)?;
-    for evaluation in [Some(&findings.acceleration), findings.braking.as_ref()]
-        .into_iter()
-        .flatten()
-    {
-        for (model, reason) in &evaluation.left_out {
-            let kind = evaluation.kind.name();
-            output::note(
-                context,
-                &format!("`{model}` is left out for {kind}: {reason}"),
-            );
+        let args = self;
+        let trips = args.phases.trips(inputs, context)?;
+        let prior = args
+            .prior
+            .trips(&args.logs.reading, &args.phases, context)?;
+        let findings = args.evaluate(inputs, &trips, &prior, vehicle, context)?;
+        for evaluation in [Some(&findings.acceleration), findings.braking.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            for (model, reason) in &evaluation.left_out {
+                let kind = evaluation.kind.name();
+                output::note(
+                    context,
+                    &format!("`{model}` is left out for {kind}: {reason}"),
+                );
+            }
         }
-    }
 
-    let document = Document::new(
-        "evaluate",
-        args,
-        inputs,
-        document::Body::new(args, &findings),
-    );
-    let figures = serde_json::to_value(&document)?;
-    if let Some(path) = &args.report {
-        let page =
-            html::EVALUATION.filled(&document::with_curves(figures.clone(), &findings, &trips));
-        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        output::note(context, &format!("report written to {}", path.display()));
-    }
-    match context.format {
-        Format::Json => output::print_json(&document)?,
-        Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
-    }
-    Ok(figures)
+        let document = Document::new(
+            "evaluate",
+            args,
+            inputs,
+            document::Body::new(args, &findings),
+        );
+        let figures = serde_json::to_value(&document)?;
+        if let Some(path) = &args.report {
+            let page =
+                html::EVALUATION.filled(&document::with_curves(figures.clone(), &findings, &trips));
+            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+            output::note(context, &format!("report written to {}", path.display()));
+        }
+        match context.format {
+            Format::Json => output::print_json(&document)?,
+            Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
+        }
+        Ok(figures)
     }
 
     fn band_kmh(&self) -> f64 {
@@ -245,7 +247,11 @@ impl EvaluateArgs {
             EvaluatedModel::Phase(kind) => Some(*kind),
             EvaluatedModel::Direct(_) => None,
         });
-        if self.models.is_empty() { ModelKind::ALL.to_vec() } else { named.collect() }
+        if self.models.is_empty() {
+            ModelKind::ALL.to_vec()
+        } else {
+            named.collect()
+        }
     }
 
     fn evaluate(

@@ -6,8 +6,11 @@ use driver_model::trajectory::{
     FittedTrial, HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
     TrajectorySettings, TrialResult, TripFigures, TripSummary,
 };
+use driver_model::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip, TripDriver};
 use serde::Serialize;
 use serde_json::{Value, json};
+
+use super::free_run::FreeRuns;
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
@@ -22,7 +25,44 @@ pub(super) struct Body<'a> {
     baselines: BTreeMap<&'a str, Entry>,
     verdicts: &'a [HorizonVerdict],
     trials: Vec<Trial<'a>>,
+    free_run: Option<FreeRun<'a>>,
     left_out: BTreeMap<&'a str, &'a str>,
+}
+
+/// Whole trips from the road, with what the road may know.
+#[derive(Serialize)]
+struct FreeRun<'a> {
+    /// Stops; slowdowns as expected of the driver.
+    expected: FreeRunFigures<'a>,
+    /// Stops and slowdowns of the trip itself.
+    known: FreeRunFigures<'a>,
+    driver: &'a TripDriver,
+    left_out: BTreeMap<&'a str, &'a str>,
+}
+
+#[derive(Serialize)]
+struct FreeRunFigures<'a> {
+    #[serde(flatten)]
+    summary: FreeRunSummary,
+    by_trip: &'a [FreeRunTrip],
+}
+
+impl<'a> FreeRun<'a> {
+    fn new(runs: &'a FreeRuns) -> Self {
+        let figures = |evaluation: &'a FreeRunEvaluation| FreeRunFigures {
+            summary: evaluation.summary,
+            by_trip: &evaluation.trips,
+        };
+        let left_out = runs.expected.left_out.iter();
+        Self {
+            expected: figures(&runs.expected),
+            known: figures(&runs.known),
+            driver: &runs.expected.driver,
+            left_out: left_out
+                .map(|(log, reason)| (log.as_str(), reason.as_str()))
+                .collect(),
+        }
+    }
 }
 
 /// One model, its figures by seconds ahead.
@@ -67,15 +107,32 @@ struct Trip<'a> {
 }
 
 impl<'a> Body<'a> {
-    pub(super) fn new(data: &'a TrajectoryData, settings: &TrajectorySettings, evaluation: &'a TrajectoryEvaluation) -> Self {
+    pub(super) fn new(
+        data: &'a TrajectoryData,
+        settings: &TrajectorySettings,
+        evaluation: &'a TrajectoryEvaluation,
+        free_runs: Option<&'a FreeRuns>,
+    ) -> Self {
         let keys: Vec<String> = evaluation.horizons_s.iter().map(f64::to_string).collect();
         let by_horizon = |(k, key): (usize, &String)| {
-            let rows = evaluation.rows.iter().map(|row| (row.model.as_str(), row.figures[k]));
+            let rows = evaluation
+                .rows
+                .iter()
+                .map(|row| (row.model.as_str(), row.figures[k]));
             (key.clone(), rows.collect())
         };
         let entries = |baseline: bool| {
-            let rows = evaluation.rows.iter().filter(move |row| row.baseline == baseline);
-            rows.map(|row| (row.model.as_str(), Entry::new(row, &evaluation.rows[0], &keys, settings.folds))).collect()
+            let rows = evaluation
+                .rows
+                .iter()
+                .filter(move |row| row.baseline == baseline);
+            rows.map(|row| {
+                (
+                    row.model.as_str(),
+                    Entry::new(row, &evaluation.rows[0], &keys, settings.folds),
+                )
+            })
+            .collect()
         };
         Self {
             task: "trajectory",
@@ -87,8 +144,17 @@ impl<'a> Body<'a> {
             models: entries(false),
             baselines: entries(true),
             verdicts: &evaluation.verdicts,
-            trials: evaluation.trials.iter().map(|trial| Trial::new(trial, data)).collect(),
-            left_out: evaluation.left_out.iter().map(|(model, reason)| (model.as_str(), reason.as_str())).collect(),
+            trials: evaluation
+                .trials
+                .iter()
+                .map(|trial| Trial::new(trial, data))
+                .collect(),
+            free_run: free_runs.map(FreeRun::new),
+            left_out: evaluation
+                .left_out
+                .iter()
+                .map(|(model, reason)| (model.as_str(), reason.as_str()))
+                .collect(),
         }
     }
 }
@@ -96,9 +162,13 @@ impl<'a> Body<'a> {
 impl Entry {
     fn new(row: &HorizonRow, persistence: &HorizonRow, keys: &[String], folds: usize) -> Self {
         let of = |figure: fn(&HorizonFigures) -> f64| {
-            keys.iter().cloned().zip(row.figures.iter().map(figure)).collect()
+            keys.iter()
+                .cloned()
+                .zip(row.figures.iter().map(figure))
+                .collect()
         };
-        let fold_skill = |(k, key): (usize, &String)| (key.clone(), row.fold_skill_pct(persistence, k, folds));
+        let fold_skill =
+            |(k, key): (usize, &String)| (key.clone(), row.fold_skill_pct(persistence, k, folds));
         Self {
             rmse_mps: of(|figures| figures.rmse_mps),
             skill_pct: of(|figures| figures.skill_pct),
@@ -144,21 +214,29 @@ impl Fit {
 }
 
 /// Adds what figures 4.4 to 4.11 draw: one drive that was learnt from, and the longest one as every trial predicts it.
-pub(super) fn with_curves(mut document: Value, data: &TrajectoryData, evaluation: &TrajectoryEvaluation) -> Value {
+pub(super) fn with_curves(
+    mut document: Value,
+    data: &TrajectoryData,
+    evaluation: &TrajectoryEvaluation,
+    free_run: Option<Value>,
+) -> Value {
     let Some(shown) = (0..data.courses.len()).max_by_key(|&i| data.courses[i].len()) else {
         return document;
     };
     let course = &data.courses[shown];
     // Another unit than the one shown, so that it was learnt from.
-    let learnt = (0..data.courses.len()).find(|&i| data.unit_of[i] != data.unit_of[shown]).unwrap_or(shown);
+    let learnt = (0..data.courses.len())
+        .find(|&i| data.unit_of[i] != data.unit_of[shown])
+        .unwrap_or(shown);
     let predicted = evaluation.trials.iter().filter_map(|result| {
         let trip = result.trips.iter().find(|trip| trip.course == shown)?;
-        Some(json!({ "trial": result.trial.number(), "speed_mps": rounded(&trip.speed_mps) }))
+        Some(json!({ "trial": result.trial.number(), "speed_mps": rounded(trip.speed_mps.iter().copied()) }))
     });
     document["curves"] = json!({
         "shown": drive(course),
         "learnt": drive(&data.courses[learnt]),
         "predicted": predicted.collect::<Vec<_>>(),
+        "free_run": free_run,
     });
     document
 }
@@ -167,12 +245,12 @@ fn drive(course: &driver_model::trajectory::Course) -> Value {
     json!({
         "name": course.name,
         "step_s": course.step_s,
-        "speed_mps": rounded(&course.speed_mps),
-        "limit_mps": course.limit_mps.as_deref().map(rounded),
+        "speed_mps": rounded(course.speed_mps.iter().copied()),
+        "limit_mps": course.limit_mps.as_ref().map(|limit| rounded(limit.iter().copied())),
     })
 }
 
 /// To a millimetre per second, which no picture shows; not a number becomes null.
-fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|value| (value * 1e3).round() / 1e3).collect()
+pub(super) fn rounded(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.map(|value| (value * 1e3).round() / 1e3).collect()
 }

@@ -1,13 +1,14 @@
 //! `evaluate --task trajectory`: the speed of the next seconds, and of whole trips from limits.
 
 mod document;
+mod free_run;
 mod text;
 
 use anyhow::bail;
 use clap::Args;
+use driver_model::FreeRunSettings;
 use driver_model::trajectory::{
-    Course, DirectKind, DirectSettings, TrajectoryData, TrajectoryEvaluation, TrajectorySettings,
-    evaluate_trajectory,
+    Course, DirectKind, DirectSettings, TrajectoryData, TrajectorySettings, evaluate_trajectory,
 };
 use ev_energy::Vehicle;
 use rayon::prelude::*;
@@ -55,20 +56,37 @@ impl EvaluateArgs {
             output::note(context, &format!("`{model}` is left out: {reason}"));
         }
         if evaluation.trials.is_empty() {
-            output::note(context, "no speed limits in some drive: the trials of the thesis are left out");
+            output::note(
+                context,
+                "no speed limits in some drive: the trials of the thesis are left out",
+            );
         }
-        let body = document::Body::new(&data, &settings, &evaluation);
+        let units = self.units(inputs);
+        let free_run_settings = FreeRunSettings {
+            folds: Some(settings.folds),
+            slope_bandwidth_m: self.phases.settings().slope_bandwidth_m,
+            ..FreeRunSettings::default()
+        };
+        let free_runs = free_run::evaluate(inputs, &units, &free_run_settings, vehicle)?;
+        let body = document::Body::new(&data, &settings, &evaluation, free_runs.as_ref());
         let document = Document::new("evaluate", self, inputs, body);
         let figures = serde_json::to_value(&document)?;
         if let Some(path) = &self.report {
-            let shown = document::with_curves(figures.clone(), &data, &evaluation);
+            let bandwidth_m = free_run_settings.slope_bandwidth_m;
+            let curve = free_runs
+                .as_ref()
+                .map(|runs| free_run::curve(inputs, runs, bandwidth_m));
+            let curve = curve.transpose()?.flatten();
+            let shown = document::with_curves(figures.clone(), &data, &evaluation, curve);
             let page = html::TRAJECTORY.filled(&shown);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
         }
         match context.format {
             Format::Json => output::print_json(&document)?,
-            Format::Text => output::print_text(&text::render(self, &data, &evaluation))?,
+            Format::Text => {
+                output::print_text(&text::render(self, &data, &evaluation, free_runs.as_ref()))?
+            }
         }
         Ok(figures)
     }
@@ -79,36 +97,65 @@ impl EvaluateArgs {
             band_mps: self.band_kmh() / 3.6,
             ..TrajectorySettings::default()
         };
-        settings.direct.horizons_s.clone_from(&self.trajectory.horizons);
+        settings
+            .direct
+            .horizons_s
+            .clone_from(&self.trajectory.horizons);
         settings.direct.horizons_s.sort_by(f64::total_cmp);
         settings.direct.horizons_s.dedup();
         settings.direct.slope_ahead = self.trajectory.slope_ahead;
         settings.direct.max_samples = self.trajectory.max_samples;
         settings.trials.max_samples = self.trajectory.max_samples;
         if !self.models.is_empty() {
-            let named: anyhow::Result<Vec<DirectKind>> = self.models.iter().map(|model| match model {
-                EvaluatedModel::Direct(kind) => Ok(*kind),
-                EvaluatedModel::Phase(kind) => bail!("`{kind}` is a model of phases; leave out --task trajectory"),
-            }).collect();
+            let named: anyhow::Result<Vec<DirectKind>> = self
+                .models
+                .iter()
+                .map(|model| match model {
+                    EvaluatedModel::Direct(kind) => Ok(*kind),
+                    EvaluatedModel::Phase(kind) => {
+                        bail!("`{kind}` is a model of phases; leave out --task trajectory")
+                    }
+                })
+                .collect();
             settings.models = named?;
         }
         Ok(settings)
     }
 
-    fn trajectory_data(&self, inputs: &[Input], context: &Context) -> anyhow::Result<TrajectoryData> {
+    fn trajectory_data(
+        &self,
+        inputs: &[Input],
+        context: &Context,
+    ) -> anyhow::Result<TrajectoryData> {
         let bandwidth_m = self.phases.settings().slope_bandwidth_m;
         let of_input = |input: &Input| -> anyhow::Result<Vec<Course>> {
             if input.drive.step_s > 1.5 * input.drive.pieces[0].step_s() {
-                output::note(context, &format!(
-                    "{}: recorded every {} s and resampled finer, so that the past holds something of the future; give --step {}",
-                    input.path, input.drive.step_s, input.drive.step_s,
-                ));
+                output::note(
+                    context,
+                    &format!(
+                        "{}: recorded every {} s and resampled finer, so that the past holds something of the future; give --step {}",
+                        input.path, input.drive.step_s, input.drive.step_s,
+                    ),
+                );
             }
-            let courses = input.drive.pieces.iter().map(|log| Course::of_log(log, bandwidth_m));
+            let courses = input
+                .drive
+                .pieces
+                .iter()
+                .map(|log| Course::of_log(log, bandwidth_m));
             Ok(courses.collect::<Result<_, _>>()?)
         };
-        let courses: Vec<Vec<Course>> = inputs.par_iter().map(of_input).collect::<anyhow::Result<_>>()?;
-        let units: Vec<String> = inputs.iter().map(|input| self.hold_out.unit_of(input)).collect();
-        Ok(TrajectoryData::new(courses, &units))
+        let courses: Vec<Vec<Course>> = inputs
+            .par_iter()
+            .map(of_input)
+            .collect::<anyhow::Result<_>>()?;
+        Ok(TrajectoryData::new(courses, &self.units(inputs)))
+    }
+
+    fn units(&self, inputs: &[Input]) -> Vec<String> {
+        inputs
+            .iter()
+            .map(|input| self.hold_out.unit_of(input))
+            .collect()
     }
 }

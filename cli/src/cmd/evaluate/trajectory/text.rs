@@ -4,10 +4,18 @@ use std::fmt::Write as _;
 
 use driver_model::trajectory::{HorizonRow, TrajectoryData, TrajectoryEvaluation};
 
+use driver_model::{FreeRunEvaluation, PercentErrors};
+
 use super::EvaluateArgs;
+use super::free_run::FreeRuns;
 use crate::render::table::{Table, number};
 
-pub(super) fn render(args: &EvaluateArgs, data: &TrajectoryData, evaluation: &TrajectoryEvaluation) -> String {
+pub(super) fn render(
+    args: &EvaluateArgs,
+    data: &TrajectoryData,
+    evaluation: &TrajectoryEvaluation,
+    free_runs: Option<&FreeRuns>,
+) -> String {
     let mut text = format!(
         "{} drives, {} moments; every unit is held out once, in {} folds\n\n",
         data.courses.len(),
@@ -18,6 +26,9 @@ pub(super) fn render(args: &EvaluateArgs, data: &TrajectoryData, evaluation: &Tr
     text.push_str(&verdicts(evaluation));
     if !evaluation.trials.is_empty() {
         text.push_str(&trials(args, evaluation));
+    }
+    if let Some(runs) = free_runs {
+        text.push_str(&free_run(runs));
     }
     text
 }
@@ -31,7 +42,11 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
     let mut table = Table::with_columns(header);
     let row = |row: &HorizonRow| {
         let mut cells = vec![row.model.clone()];
-        cells.extend(row.figures.iter().map(|figures| number(figures.rmse_mps, 3)));
+        cells.extend(
+            row.figures
+                .iter()
+                .map(|figures| number(figures.rmse_mps, 3)),
+        );
         let coverage = row.figures.last().and_then(|figures| figures.coverage_pct);
         cells.push(coverage.map_or_else(String::new, |pct| format!("{} %", number(pct, 1))));
         cells.push(number(row.fit_seconds, 1));
@@ -39,7 +54,11 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
     };
     for baseline in [false, true] {
         table.heading(if baseline { "baselines" } else { "models" });
-        for model in evaluation.rows.iter().filter(|row| row.baseline == baseline) {
+        for model in evaluation
+            .rows
+            .iter()
+            .filter(|row| row.baseline == baseline)
+        {
             table.add(row(model));
         }
     }
@@ -49,9 +68,19 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
 
 fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
     let mut text = String::from("\nBest model against best baseline\n\n");
-    let mut table = Table::new(["ahead", "model", "baseline", "RMSE difference m/s", "against persistence", "over units"]);
+    let mut table = Table::new([
+        "ahead",
+        "model",
+        "baseline",
+        "RMSE difference m/s",
+        "against persistence",
+        "over units",
+    ]);
     for (k, verdict) in evaluation.verdicts.iter().enumerate() {
-        let row = evaluation.rows.iter().find(|row| row.model == verdict.model);
+        let row = evaluation
+            .rows
+            .iter()
+            .find(|row| row.model == verdict.model);
         let skill = row.map_or(f64::NAN, |row| row.figures[k].skill_pct);
         table.row([
             format!("{} s", verdict.horizon_s),
@@ -73,11 +102,22 @@ fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
     );
     let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
     let mut table = Table::new([
-        "trial", "E MJ", "ΔE MJ", "√SSE/n v km/h", "√SSE/n a m/s²", &band, "RMSE km/h", "distance off %",
+        "trial",
+        "E MJ",
+        "ΔE MJ",
+        "√SSE/n v km/h",
+        "√SSE/n a m/s²",
+        &band,
+        "RMSE km/h",
+        "distance off %",
     ]);
     for result in &evaluation.trials {
-        let Some(summary) = result.summary() else { continue };
-        let megajoules = |energy_j: Option<f64>| energy_j.map_or_else(|| "–".to_owned(), |j| number(j * 1e-6, 3));
+        let Some(summary) = result.summary() else {
+            continue;
+        };
+        let megajoules = |energy_j: Option<f64>| {
+            energy_j.map_or_else(|| "–".to_owned(), |j| number(j * 1e-6, 3))
+        };
         table.row([
             result.trial.number().to_string(),
             megajoules(summary.energy_j),
@@ -90,7 +130,11 @@ fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
         ]);
     }
     text.push_str(&table.render());
-    if let Some(summary) = evaluation.trials.first().and_then(|result| result.summary()) {
+    if let Some(summary) = evaluation
+        .trials
+        .first()
+        .and_then(|result| result.summary())
+    {
         let _ = writeln!(
             text,
             "\nMeasured: {} MJ on {} drives. ΔE: measured minus predicted. The rest are means over drives.\n\
@@ -99,5 +143,43 @@ fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
             summary.trips,
         );
     }
+    text
+}
+
+fn free_run(runs: &FreeRuns) -> String {
+    let mut text = String::from(
+        "\nFree run: whole trips from road and driver alone, up to 15 min; mean, mean magnitude and largest error, %\n\n",
+    );
+    let mut table = Table::new([
+        "the road knows",
+        "trips",
+        "distance",
+        "energy",
+        "time, equal distance",
+        "energy, equal distance",
+    ]);
+    let errors = |errors: Option<PercentErrors>| match errors {
+        Some(e) => format!(
+            "{} / {} / {}",
+            number(e.mean_pct, 1),
+            number(e.mean_abs_pct, 1),
+            number(e.max_abs_pct, 1)
+        ),
+        None => "–".to_owned(),
+    };
+    let mut row = |knows: &str, evaluation: &FreeRunEvaluation| {
+        let summary = evaluation.summary;
+        table.row([
+            knows.to_owned(),
+            summary.trips.to_string(),
+            errors(Some(summary.distance)),
+            errors(summary.energy),
+            errors(Some(summary.time_at_distance)),
+            errors(summary.energy_at_distance),
+        ]);
+    };
+    row("limits, stops", &runs.expected);
+    row("also where the driver slowed down", &runs.known);
+    text.push_str(&table.render());
     text
 }
