@@ -3,12 +3,15 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use drive_log::DriveLog;
+use driver_model::trajectory::{Course, DirectKind, DirectModel, DirectSettings};
 use driver_model::{
     Behaviour, CruiseModel, DriverModel, FittedModel, FollowingKind, FollowingModel, ModelFile,
-    ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip,
+    ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip, TripDriver,
 };
 use serde::Serialize;
 
+use super::courses::courses;
 use super::model::words;
 use super::phases::PhaseArgs;
 use super::prior::PriorArgs;
@@ -31,6 +34,8 @@ Examples:
   drivekit fit anna/ --prior others/ --prior-weight 0.33 --model profile-conditioned -o anna.json
   drivekit fit logs/ --model rise-time --phase braking -o braking.json
   drivekit fit logs/ --model idm -o following.json
+  drivekit fit logs/ --model svr-rbf --horizons 1,2,5,10 -o ahead.json && drivekit predict new.csv --model ahead.json --horizon 5
+  drivekit fit logs/ --model trip-driver -o trips.json
   drivekit fit logs/ --model exponential --to samples -o all.json        the second row of Table 3.6")]
 pub(crate) struct FitArgs {
     #[command(flatten)]
@@ -43,7 +48,8 @@ pub(crate) struct FitArgs {
     #[serde(flatten)]
     prior: PriorArgs,
     /// Model of phases: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
-    /// profile-onset, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap
+    /// profile-onset, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap; of the next seconds: svr-linear,
+    /// svr-quadratic, svr-cubic, svr-rbf, least-squares, blend, ridge, boosted-trees; of whole trips: trip-driver
     #[arg(long, value_name = "KIND")]
     model: Model,
     /// Phases to learn from
@@ -52,6 +58,12 @@ pub(crate) struct FitArgs {
     /// What a function of speed (inverse, exponential, exponential-amplitude) is fitted to
     #[arg(long, value_enum, default_value_t = Points::Means, value_name = "POINTS")]
     to: Points,
+    /// Seconds ahead of a model of the next seconds, comma separated
+    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_name = "S")]
+    horizons: Vec<f64>,
+    /// Let a model of the next seconds know the slope ahead, if it does not come from the elevation of the same drive
+    #[arg(long)]
+    slope_ahead: bool,
     /// File for the model
     #[arg(short, long, value_name = "FILE.json")]
     #[serde(skip)]
@@ -64,6 +76,8 @@ enum Model {
     Phase(ModelKind),
     Following(FollowingKind),
     Cruise,
+    SpeedAhead(DirectKind),
+    Trip,
 }
 
 impl Serialize for Model {
@@ -73,11 +87,18 @@ impl Serialize for Model {
 }
 
 impl Model {
+    /// Whether it learns from phases and stretches.
+    fn is_of_phases(self) -> bool {
+        !matches!(self, Self::SpeedAhead(_) | Self::Trip)
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Phase(kind) => kind.name(),
             Self::Following(kind) => kind.name(),
             Self::Cruise => "cruise",
+            Self::SpeedAhead(kind) => kind.name(),
+            Self::Trip => "trip-driver",
         }
     }
 }
@@ -86,18 +107,30 @@ impl std::str::FromStr for Model {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "cruise" {
-            return Ok(Self::Cruise);
+        match text {
+            "cruise" => return Ok(Self::Cruise),
+            "trip-driver" => return Ok(Self::Trip),
+            _ => {}
         }
-        let following = FollowingKind::ALL
+        if let Some(kind) = FollowingKind::ALL
             .into_iter()
-            .find(|kind| kind.name() == text);
-        match following {
-            Some(kind) => Ok(Self::Following(kind)),
-            None => text
-                .parse()
-                .map(Self::Phase)
-                .map_err(|known: String| format!("{known}, cruise, idm, constant-time-gap")),
+            .find(|kind| kind.name() == text)
+        {
+            return Ok(Self::Following(kind));
+        }
+        match text.parse::<DirectKind>() {
+            Ok(kind) if kind.is_fitted() => Ok(Self::SpeedAhead(kind)),
+            _ => text.parse().map(Self::Phase).map_err(|known: String| {
+                let ahead = DirectKind::ALL
+                    .into_iter()
+                    .filter(|kind| kind.is_fitted())
+                    .map(DirectKind::name);
+                let ahead: Vec<&str> = ahead.collect();
+                format!(
+                    "{known}, cruise, idm, constant-time-gap, {}, trip-driver",
+                    ahead.join(", ")
+                )
+            }),
         }
     }
 }
@@ -131,13 +164,19 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
     output::check_file_place(&args.output)?;
     args.check()?;
     let inputs = inputs::load(&args.logs, context)?;
-    let trips = args.phases.trips(&inputs, context)?;
+    let trips = if args.model.is_of_phases() {
+        args.phases.trips(&inputs, context)?
+    } else {
+        Vec::new()
+    };
     let prior_inputs = args.prior.inputs(&args.logs.reading, context)?;
     let prior = args.phases.trips(&prior_inputs, context)?;
     let fitted = match args.model {
         Model::Phase(kind) => args.fit_phases(kind, &trips, &prior)?,
         Model::Cruise => fit_cruise(&trips)?,
         Model::Following(kind) => fit_following(kind, &trips)?,
+        Model::SpeedAhead(kind) => args.fit_ahead(kind, &inputs, context)?,
+        Model::Trip => fit_trip_driver(&inputs)?,
     };
     let record = TrainingRecord {
         phases: fitted.phases,
@@ -197,6 +236,30 @@ impl FitArgs {
         })
     }
 
+    fn fit_ahead(
+        &self,
+        kind: DirectKind,
+        inputs: &[Input],
+        context: &Context,
+    ) -> anyhow::Result<Fitted> {
+        let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
+        let courses: Vec<&Course> = courses.iter().flatten().collect();
+        let mut settings = DirectSettings {
+            slope_ahead: self.slope_ahead,
+            ..DirectSettings::default()
+        };
+        settings.horizons_s.clone_from(&self.horizons);
+        settings.horizons_s.sort_by(f64::total_cmp);
+        settings.horizons_s.dedup();
+        let model = DirectModel::fit(kind, &courses, &settings)?;
+        Ok(Fitted {
+            phases: courses.len(),
+            points: model.samples(),
+            model: FittedModel::SpeedAhead(model),
+            residual_sum_of_squares: None,
+        })
+    }
+
     fn check(&self) -> anyhow::Result<()> {
         let is_function = matches!(
             self.model,
@@ -212,7 +275,7 @@ impl FitArgs {
             );
         }
         if self.prior.is_given() && !matches!(self.model, Model::Phase(_)) {
-            bail!("--prior: models of cruising and following learn from the logs alone");
+            bail!("--prior: only models of phases learn from other drivers as well");
         }
         Ok(())
     }
@@ -233,6 +296,19 @@ fn fit_following(kind: FollowingKind, trips: &[Trip]) -> anyhow::Result<Fitted> 
     Ok(Fitted {
         model: FittedModel::Following(FollowingModel::fit(kind, &stretches)?.model),
         phases: stretches.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+    })
+}
+
+fn fit_trip_driver(inputs: &[Input]) -> anyhow::Result<Fitted> {
+    let logs: Vec<&DriveLog> = inputs
+        .iter()
+        .flat_map(|input| &input.drive.pieces)
+        .collect();
+    Ok(Fitted {
+        model: FittedModel::Trip(TripDriver::fit(&logs)?),
+        phases: logs.len(),
         points: 0,
         residual_sum_of_squares: None,
     })
@@ -264,6 +340,8 @@ fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> String {
         Behaviour::Cruise | Behaviour::Following => {
             format!("stretches of {}", behaviour.name())
         }
+        Behaviour::SpeedAhead => format!("drives, {} moments", training.points),
+        Behaviour::Trip => "drives".to_owned(),
     };
     let mut text = format!(
         "{} fitted to {} {what} of {} drives",

@@ -2,6 +2,7 @@
 
 pub(crate) mod calibrate;
 pub(crate) mod completions;
+pub(crate) mod courses;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod fit;

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use driver_model::phase_model::{StepResponse, TransitionPoint};
+use driver_model::trajectory::DirectModel;
 use driver_model::{
-    CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline,
+    CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline, TripDriver,
 };
 use serde::Serialize;
 
@@ -52,7 +53,7 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => outlines(&file.model)
             .map(|outline| Example::new(model, outline))
             .collect(),
-        FittedModel::Cruise(_) | FittedModel::Following(_) => Vec::new(),
+        _ => Vec::new(),
     };
     if let Some(path) = &args.plot {
         if examples.is_empty() {
@@ -135,6 +136,8 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         }
         FittedModel::Cruise(model) => text.push_str(&cruise_table(model)),
         FittedModel::Following(model) => text.push_str(&gap_table(model)),
+        FittedModel::SpeedAhead(model) => text.push_str(&interval_table(model)),
+        FittedModel::Trip(driver) => text.push_str(&wanted_table(driver)),
     }
     text
 }
@@ -222,7 +225,62 @@ pub(crate) fn words(file: &ModelFile) -> String {
         FittedModel::Braking(model) => phase_words("brakes", model),
         FittedModel::Cruise(model) => cruise_words(model),
         FittedModel::Following(model) => following_words(model),
+        FittedModel::SpeedAhead(model) => ahead_words(model),
+        FittedModel::Trip(driver) => trip_words(driver),
     }
+}
+
+fn ahead_words(model: &DirectModel) -> String {
+    let (first, last) = model
+        .horizons_s()
+        .fold((f64::INFINITY, 0.0_f64), |(a, b), h| (a.min(h), b.max(h)));
+    let mut text = format!(
+        "Predicts the speed {first} to {last} s ahead of drives sampled every {} s, at {} horizons from {} predictors.",
+        model.step_s(),
+        model.horizons_s().count(),
+        model.predictors(),
+    );
+    let unfinished = model.unfinished_s().count();
+    if unfinished > 0 {
+        let _ = write!(
+            text,
+            "\nAt {unfinished} horizons the solver stopped before the optimum."
+        );
+    }
+    text
+}
+
+fn interval_table(model: &DirectModel) -> String {
+    let mut table = Table::new(["ahead s", "interval ± km/h"]);
+    for (horizon_s, interval_mps) in model.horizons_s().zip(model.intervals_mps()) {
+        table.row([
+            horizon_s.to_string(),
+            number(interval_mps.map(|v| v * 3.6), 1),
+        ]);
+    }
+    table.render()
+}
+
+fn trip_words(driver: &TripDriver) -> String {
+    let (speeds_up, brakes) = (driver.acceleration(), driver.braking());
+    format!(
+        "Speeds up with at most {:.2} m/s² and slows down with at most {:.2} m/s²; from 50 km/h to a stop it brakes with {:.2} m/s².",
+        speeds_up.max_mps2,
+        brakes.max_mps2,
+        brakes.mps2(50.0 / 3.6),
+    )
+}
+
+fn wanted_table(driver: &TripDriver) -> String {
+    let mut table = Table::new(["limit km/h", "drives km/h"]);
+    for habit in &driver.wanted().by_limit {
+        let wanted_mps = driver.wanted().mps(habit.limit_mps);
+        table.row([
+            number(habit.limit_mps * 3.6, 0),
+            number(wanted_mps * 3.6, 1),
+        ]);
+    }
+    table.render()
 }
 
 fn cruise_words(model: &CruiseModel) -> String {

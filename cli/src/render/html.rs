@@ -145,6 +145,7 @@ pub(crate) const TRAJECTORY: Page = Page {
         ("horizons", "Horizons"),
         ("trials", "Table 4.1"),
         ("figures", "Figures 4.4 to 4.11"),
+        ("free-run", "Free run"),
     ],
     sections: include_str!("report/trajectory.html"),
     script: concat!(
@@ -152,6 +153,8 @@ pub(crate) const TRAJECTORY: Page = Page {
         include_str!("report/page.js"),
         include_str!("report/tables.js"),
         include_str!("report/chart.js"),
+        include_str!("report/trajectory-horizons.js"),
+        include_str!("report/trajectory-figures.js"),
         include_str!("report/trajectory.js"),
     ),
 };

@@ -81,13 +81,17 @@ pub enum Error {
     #[error("only SWAB segments a stream; the other methods need the whole log")]
     MethodOfStream,
     /// A model needs speed limits and the log has none.
-    #[error("{log}: no speed limits, which this model needs; give logs with a column such as speed_limit_kmh")]
+    #[error(
+        "{log}: no speed limits, which this model needs; give logs with a column such as speed_limit_kmh"
+    )]
     NoLimits {
         /// Name of the drive.
         log: String,
     },
     /// Drives of different sampling intervals.
-    #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; give --step {expected_s}")]
+    #[error(
+        "{log}: sampled every {found_s} s where {expected_s} s were expected; give --step {expected_s}"
+    )]
     Steps {
         /// Name of the drive.
         log: String,

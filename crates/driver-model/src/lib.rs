@@ -108,7 +108,12 @@ pub use following::{
     FollowingSummary, Idm, PairedDifference, PerFollowingModel, ScoredStretch, SimulatedFollowing,
     evaluate_following, following_stretches,
 };
-pub use free_run::{AccelerationLaw, BrakingLaw, FreeRun, FreeRunEvaluation, FreeRunFold, FreeRunGroup, FreeRunScore, FreeRunSettings, FreeRunSummary, FreeRunTrip, HabitLine, LimitFrom, LimitHabit, LimitSlowdowns, NODE_SPACING_M, PercentErrors, Road, RoadKnowledge, RoadMap, RoadStop, SlopeAt, SlowPoint, Slowdowns, TripDriver, WantedSpeed, evaluate_free_run};
+pub use free_run::{
+    AccelerationLaw, BrakingLaw, FreeRun, FreeRunEvaluation, FreeRunFold, FreeRunGroup,
+    FreeRunScore, FreeRunSettings, FreeRunSummary, FreeRunTrip, HabitLine, LimitFrom, LimitHabit,
+    LimitSlowdowns, NODE_SPACING_M, PercentErrors, Road, RoadKnowledge, RoadMap, RoadStop, SlopeAt,
+    SlowPoint, Slowdowns, TripDriver, WantedSpeed, evaluate_free_run,
+};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
 pub use model::{DriverModel, ModelKind};

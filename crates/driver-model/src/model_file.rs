@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
-use crate::{CruiseModel, DriverModel, Error, FollowingModel};
+use crate::trajectory::DirectModel;
+use crate::{CruiseModel, DriverModel, Error, FollowingModel, TripDriver};
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/2";
@@ -23,7 +24,7 @@ pub struct TrainingInput {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingRecord {
-    /// Phases, or stretches of cruising or following; those of other drivers included.
+    /// Phases, or stretches of cruising or following, or drives; those of other drivers included.
     pub phases: usize,
     /// Segments, or samples where the model was fitted to samples; those of other drivers included. 0 for stretches.
     pub points: usize,
@@ -37,7 +38,7 @@ pub struct TrainingRecord {
 
 /// What a driver does that a model is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Behaviour {
     /// Acceleration phases.
     Acceleration,
@@ -47,6 +48,10 @@ pub enum Behaviour {
     Cruise,
     /// Keeping the distance to a vehicle ahead.
     Following,
+    /// The speed of the next seconds.
+    SpeedAhead,
+    /// Whole trips.
+    Trip,
 }
 
 impl Behaviour {
@@ -58,6 +63,8 @@ impl Behaviour {
             Self::Braking => "braking",
             Self::Cruise => "cruise",
             Self::Following => "following",
+            Self::SpeedAhead => "speed-ahead",
+            Self::Trip => "trip",
         }
     }
 }
@@ -74,6 +81,10 @@ pub enum FittedModel {
     Cruise(CruiseModel),
     /// Of following.
     Following(FollowingModel),
+    /// Of the speed of the next seconds.
+    SpeedAhead(DirectModel),
+    /// Of whole trips.
+    Trip(TripDriver),
 }
 
 impl FittedModel {
@@ -85,6 +96,8 @@ impl FittedModel {
             Self::Braking(_) => Behaviour::Braking,
             Self::Cruise(_) => Behaviour::Cruise,
             Self::Following(_) => Behaviour::Following,
+            Self::SpeedAhead(_) => Behaviour::SpeedAhead,
+            Self::Trip(_) => Behaviour::Trip,
         }
     }
 
@@ -95,6 +108,8 @@ impl FittedModel {
             Self::Acceleration(model) | Self::Braking(model) => model.kind().name(),
             Self::Cruise(_) => "cruise",
             Self::Following(model) => model.kind().name(),
+            Self::SpeedAhead(model) => model.kind().name(),
+            Self::Trip(_) => "trip-driver",
         }
     }
 
@@ -103,6 +118,8 @@ impl FittedModel {
             Self::Acceleration(model) | Self::Braking(model) => model.check(),
             Self::Cruise(model) => model.check(),
             Self::Following(model) => model.check(),
+            // Checked when they are parsed.
+            Self::SpeedAhead(_) | Self::Trip(_) => Ok(()),
         }
     }
 
@@ -112,6 +129,8 @@ impl FittedModel {
             Behaviour::Braking => Self::Braking(serde_json::from_value(value)?),
             Behaviour::Cruise => Self::Cruise(serde_json::from_value(value)?),
             Behaviour::Following => Self::Following(serde_json::from_value(value)?),
+            Behaviour::SpeedAhead => Self::SpeedAhead(serde_json::from_value(value)?),
+            Behaviour::Trip => Self::Trip(serde_json::from_value(value)?),
         })
     }
 }

@@ -38,7 +38,11 @@ impl RatioInterval {
         let squares: f64 = units.map(|(s, n)| (s - n * ratio).powi(2)).sum();
         let deviation = (k as f64 / (k - 1) as f64 * squares).sqrt() / count;
         let reach = t_quantile_975(k - 1) * deviation;
-        Some(Self { ratio, low: ratio - reach, high: ratio + reach })
+        Some(Self {
+            ratio,
+            low: ratio - reach,
+            high: ratio + reach,
+        })
     }
 }
 

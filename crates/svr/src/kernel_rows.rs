@@ -3,8 +3,8 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use crate::Kernel;
 use crate::vectorised::vectorised;
+use crate::{Error, Kernel};
 
 /// Rows computed by one matrix product.
 const BATCH: usize = 64;
@@ -14,6 +14,9 @@ const TILE: usize = 1024;
 
 /// Samples whose sums stay in the first-level cache.
 const BLOCK: usize = 1024;
+
+/// Up to here single precision computes kernel values without overflow.
+const GREATEST: f64 = 1e37;
 
 /// The rows `K(x_i, ·)` over all samples.
 pub(crate) struct KernelRows {
@@ -31,12 +34,24 @@ pub(crate) struct KernelRows {
 }
 
 impl KernelRows {
-    /// Keeps at most `capacity` rows.
-    pub(crate) fn new(kernel: Kernel, scaled: &[f64], predictors: usize, capacity: usize) -> Self {
+    /// Keeps at most `capacity` rows. [`Error::NotPositiveDefinite`] where single precision does not hold the kernel.
+    pub(crate) fn new(
+        kernel: Kernel,
+        scaled: &[f64],
+        predictors: usize,
+        capacity: usize,
+    ) -> Result<Self, Error> {
         let n = scaled.len() / predictors;
         let square = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>();
         let squares = scaled.chunks_exact(predictors).map(square);
-        Self {
+        // No value is greater than the greatest of the diagonal, no sum of two squares than four times that.
+        let mut held = squares
+            .clone()
+            .map(|square| square.max(kernel.own_value(square)));
+        if !held.all(|most| most < GREATEST) {
+            return Err(Error::NotPositiveDefinite);
+        }
+        Ok(Self {
             kernel,
             predictors,
             scaled: scaled.iter().map(|&x| x as f32).collect(),
@@ -48,7 +63,7 @@ impl KernelRows {
             capacity: capacity.min(n),
             kept: 0,
             products: vec![0.0; TILE * BATCH],
-        }
+        })
     }
 
     pub(crate) fn len(&self) -> usize {

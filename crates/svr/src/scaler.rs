@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Samples, Settings};
+use crate::{Error, Kernel, Samples, Settings};
 
 /// How predictors or responses are brought to a common scale before fitting.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,6 +62,10 @@ impl Scaler {
     /// Of predictors, weighted as the settings say.
     pub(crate) fn of(samples: &Samples<'_>, settings: &Settings) -> Self {
         let mut scaler = Self::learn(samples, settings.predictor_scaling);
+        if settings.kernel == Kernel::Rbf && settings.predictor_scaling == Scaling::None {
+            // Distances stay what they are, and far from the origin single precision would not hold them.
+            scaler.offset = mean_and_deviation(samples).0;
+        }
         for (factor, weight) in scaler.factor.iter_mut().zip(&settings.predictor_weights) {
             *factor *= weight;
         }

@@ -41,7 +41,8 @@ pub struct Candidate {
 /// parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Setting`] for a grid or folds without anything in them, and whatever a fit refuses.
+/// [`Error::Setting`] for a grid or folds without anything in them or folds of other samples, [`Error::Length`] where the
+/// response has not one value per sample, and whatever a fit refuses.
 pub fn search(
     samples: &Samples<'_>,
     response: &Response<'_>,
@@ -52,6 +53,23 @@ pub fn search(
     let size = grid.kernel_scales.len() * grid.tube_epsilons.len() * grid.box_constraints.len();
     Error::unless(size > 0, "the size of the grid", size as f64, "at least 1")?;
     Error::unless(!folds.is_empty(), "the number of folds", 0.0, "at least 1")?;
+    if response.values().len() != samples.len() {
+        return Err(Error::Length {
+            what: "responses",
+            found: response.values().len(),
+            expected: samples.len(),
+        });
+    }
+    let indices = folds
+        .iter()
+        .flat_map(|fold| fold.train.iter().chain(&fold.test));
+    if let Some(&most) = indices.max().filter(|&&most| most >= samples.len()) {
+        return Err(Error::Setting {
+            name: "an index in a fold",
+            value: most as f64,
+            must_be: "less than the number of samples",
+        });
+    }
     let scales = 0..grid.kernel_scales.len();
     let jobs: Vec<(&Fold, usize)> = folds
         .iter()
@@ -78,10 +96,12 @@ pub fn search(
                 .step_by(grid.kernel_scales.len())
                 .map(|paths| paths[point]);
             let square_sum: f64 = of_folds.clone().map(|score| score.square_sum).sum();
+            let rmse = (square_sum / held_out as f64).sqrt();
             candidates.push(Candidate {
                 kernel_scale,
                 penalty,
-                rmse: (square_sum / held_out as f64).sqrt(),
+                // Predictions that overflow are the worst, whatever the sign of what comes out.
+                rmse: if rmse.is_nan() { f64::INFINITY } else { rmse },
                 optimal: of_folds.filter(|score| score.optimal).count(),
             });
         }

@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use crate::deadline::Deadline;
 use crate::linear::{LinearRows, Target};
 use crate::model::Model;
@@ -8,7 +10,7 @@ use crate::two_variable::KernelProblem;
 use crate::{Error, Kernel, Landmarks, Penalty, Response, Samples, Settings, UsedPenalty};
 
 /// How a solver ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[must_use]
 pub enum Status {
@@ -139,7 +141,7 @@ impl Trainer {
                         limit_bytes: settings.memory_limit_bytes,
                     });
                 }
-                Method::Kernel(KernelProblem::new(kernel, scaled, d, capacity))
+                Method::Kernel(KernelProblem::new(kernel, scaled, d, capacity)?)
             }
         };
         Ok(Self {
@@ -193,10 +195,15 @@ impl Trainer {
             bound: &bound,
             tube_epsilon: used.tube_epsilon,
         };
+        // Coefficients at a bound mostly stay there, so they grow with it.
+        let start: Option<Vec<f64>> = start.map(|fit| {
+            let growth = (used.box_constraint / fit.penalty.box_constraint).min(f64::MAX);
+            fit.beta.iter().map(|b| b * growth).collect()
+        });
         let solved = self.method.solve(
             &target,
             stopping.tolerance(self.settings.kernel),
-            start,
+            start.as_deref(),
             &deadline,
         );
         let figures = target.figures(&solved);
@@ -243,7 +250,7 @@ impl Method {
         &mut self,
         target: &Target<'_>,
         tolerance: f64,
-        start: Option<&Fit>,
+        start: Option<&[f64]>,
         deadline: &Deadline,
     ) -> Solved {
         match self {
@@ -257,12 +264,7 @@ impl Method {
                 }
             }
             Self::Kernel(problem) => {
-                let solution = problem.solve(
-                    target,
-                    tolerance,
-                    start.map(|fit| fit.beta.as_slice()),
-                    deadline,
-                );
+                let solution = problem.solve(target, tolerance, start, deadline);
                 let (vectors, coefficients) = problem.support(&solution.beta);
                 Solved {
                     support_vectors: coefficients.len(),

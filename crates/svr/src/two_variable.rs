@@ -10,7 +10,7 @@ use crate::expansion::{add_expansion, kernel_block};
 use crate::kernel_rows::KernelRows;
 use crate::linear::Target;
 use crate::subproblem::{Subproblem, slopes};
-use crate::{Kernel, Status};
+use crate::{Error, Kernel, Status};
 
 /// Size of a working set.
 const WORKING_SET: usize = 512;
@@ -73,14 +73,14 @@ impl KernelProblem {
         scaled: Vec<f64>,
         predictors: usize,
         capacity: usize,
-    ) -> Self {
-        let rows = KernelRows::new(kernel, &scaled, predictors, capacity);
-        Self {
+    ) -> Result<Self, Error> {
+        let rows = KernelRows::new(kernel, &scaled, predictors, capacity)?;
+        Ok(Self {
             kernel,
             predictors,
             scaled,
             rows,
-        }
+        })
     }
 
     /// Rows and coefficients of the samples whose coefficient is not 0.
@@ -162,6 +162,10 @@ impl KernelProblem {
             rounding += self.take_over(&subproblem, &members, &mut progress);
             previous = members;
         };
+        if status != Status::Optimal && rounding > 0.0 {
+            // So that the figures of a fit that was stopped are those of its coefficients.
+            progress.gradient = self.gradient(&progress);
+        }
         let (most, low) = progress.extremes();
         let products = progress
             .gradient
@@ -288,7 +292,7 @@ fn feasible(start: &[f64], bound: &[f64]) -> Vec<f64> {
     let mut beta: Vec<f64> = start
         .iter()
         .zip(bound)
-        .map(|(b, c)| b.clamp(-c, *c))
+        .map(|(b, c)| if b.is_nan() { 0.0 } else { b.clamp(-c, *c) })
         .collect();
     let excess: f64 = beta.iter().sum();
     let side: f64 = beta.iter().map(|b| (b * excess.signum()).max(0.0)).sum();

@@ -87,13 +87,19 @@ impl Clock {
             step_s,
             speed_mps: Vec::with_capacity(samples as usize),
             position_m: Vec::with_capacity(samples as usize),
-            slope_rad: road.slope_rad().map(|_| Vec::with_capacity(samples as usize)),
+            slope_rad: road
+                .slope_rad()
+                .map(|_| Vec::with_capacity(samples as usize)),
             end_s,
         };
         let mut node = 0;
         for sample in 0..samples as usize {
             let t_s = sample as f64 * step_s;
-            while self.arrival_s.get(node + 1).is_some_and(|next_s| *next_s <= t_s) {
+            while self
+                .arrival_s
+                .get(node + 1)
+                .is_some_and(|next_s| *next_s <= t_s)
+            {
                 node += 1;
             }
             let (speed_mps, position_m) = self.at(road, node, t_s);

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::recording::Recording;
 use super::road::{Road, RoadKnowledge, map_of};
+use super::summary::FreeRunSummary;
 use super::{FreeRunScore, TripDriver};
 use crate::Error;
 use crate::energy::slope_rad;
-use crate::statistics::mean;
 
 /// Logs that are held out together, such as those of one trip.
 #[derive(Debug, Clone)]
@@ -67,32 +67,6 @@ pub struct FreeRunFold {
     pub driver: TripDriver,
 }
 
-/// Errors over trips.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PercentErrors {
-    /// Mean: the bias.
-    pub mean_pct: f64,
-    /// Mean of the magnitudes.
-    pub mean_abs_pct: f64,
-    /// Largest magnitude.
-    pub max_abs_pct: f64,
-}
-
-/// Figures over trips, every trip with the same weight.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FreeRunSummary {
-    /// Trips.
-    pub trips: usize,
-    /// Distance at equal time.
-    pub distance: PercentErrors,
-    /// Energy at equal time; `None` where no trip has one.
-    pub energy: Option<PercentErrors>,
-    /// Time at equal distance.
-    pub time_at_distance: PercentErrors,
-    /// Energy at equal distance; `None` where no trip has one.
-    pub energy_at_distance: Option<PercentErrors>,
-}
-
 /// The outcome of [`evaluate_free_run`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FreeRunEvaluation {
@@ -146,7 +120,7 @@ pub fn evaluate_free_run(
     trips.sort_by_key(|(unit, _)| *unit);
     let trips: Vec<FreeRunTrip> = trips.into_iter().map(|(_, trip)| trip).collect();
     Ok(FreeRunEvaluation {
-        summary: summary(&trips)?,
+        summary: FreeRunSummary::of(&trips)?,
         driver: fit(&units, |_| true)?,
         trips,
         left_out,
@@ -251,7 +225,7 @@ fn score(
     vehicle: &Vehicle,
 ) -> Result<FreeRunScore, Error> {
     let (lasts_s, least_s) = (recording.duration_s(), settings.min_duration_s);
-    // Half a step less still counts: a log of ten minutes has its last sample a step before.
+    // A log of ten minutes has its last sample a step before; the rest is rounding.
     let rounding_s = 1.5 * recording.step_s;
     let expected = "at least the shortest duration that is compared";
     Error::unless_at_least("duration_s", lasts_s, least_s - rounding_s, expected)?;
@@ -260,39 +234,4 @@ fn score(
     let road = Road::new(map_of(recording, slope_rad, settings.knowledge))?;
     let run = driver.drive(&road, STEP_S, None)?;
     FreeRunScore::of_recording(&run, recording, slope_rad, vehicle, settings.duration_s)
-}
-
-fn summary(trips: &[FreeRunTrip]) -> Result<FreeRunSummary, Error> {
-    let errors = |of: fn(&FreeRunScore) -> Option<f64>| {
-        let errors_pct: Vec<f64> = trips.iter().filter_map(|t| of(&t.score)).collect();
-        PercentErrors::of(&errors_pct)
-    };
-    let distance = errors(|s| Some(s.distance_error_pct));
-    let time_at_distance = errors(|s| Some(s.time_at_distance_error_pct));
-    let (Some(distance), Some(time_at_distance)) = (distance, time_at_distance) else {
-        return Err(Error::TooFewPhases {
-            model: "free run",
-            found: 0,
-            needed: 1,
-            unit: "trips that are long enough",
-        });
-    };
-    Ok(FreeRunSummary {
-        trips: trips.len(),
-        distance,
-        energy: errors(|s| s.energy_error_pct),
-        time_at_distance,
-        energy_at_distance: errors(|s| s.energy_at_distance_error_pct),
-    })
-}
-
-impl PercentErrors {
-    fn of(errors_pct: &[f64]) -> Option<Self> {
-        let magnitudes = || errors_pct.iter().map(|error| error.abs());
-        Some(Self {
-            mean_pct: mean(errors_pct.iter().copied())?,
-            mean_abs_pct: mean(magnitudes())?,
-            max_abs_pct: magnitudes().fold(0.0, f64::max),
-        })
-    }
 }

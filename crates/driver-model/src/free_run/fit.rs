@@ -1,7 +1,7 @@
 use drive_log::DriveLog;
 
 use super::habit::WantedSpeed;
-use super::manoeuvres::laws;
+use super::law_fit::laws;
 use super::recording::Recording;
 use super::{Slowdowns, TripDriver};
 use crate::Error;

@@ -142,7 +142,11 @@ impl HabitLine {
         let bias: f64 = sum(&|m| m.bias_mps) / weight;
         let spread: f64 = sum(&|m| (m.limit_mps - limit).powi(2));
         let product: f64 = sum(&|m| (m.limit_mps - limit) * (m.bias_mps - bias));
-        let slope = if medians.len() > 1 { product / spread } else { 0.0 };
+        let slope = if medians.len() > 1 {
+            product / spread
+        } else {
+            0.0
+        };
         let per_limit = slope.clamp(*PER_LIMIT.start(), *PER_LIMIT.end());
         let offset_mps = (bias - per_limit * limit).clamp(*BIAS_MPS.start(), *BIAS_MPS.end());
         Self {
@@ -153,6 +157,7 @@ impl HabitLine {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)]
 mod tests {
     use super::*;
 

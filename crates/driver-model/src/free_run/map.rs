@@ -155,12 +155,24 @@ impl RoadMap {
         for slow in self.slow_points.iter().flatten() {
             self.on_the_road("slow point position_m", slow.position_m)?;
             let (lowest, expected) = (STANDSTILL_MPS, "at least 0.3 m/s");
-            in_range("slow point speed_mps", slow.speed_mps, lowest, 1e3, expected)?;
+            in_range(
+                "slow point speed_mps",
+                slow.speed_mps,
+                lowest,
+                1e3,
+                expected,
+            )?;
         }
         in_order("slope position_m", self.slope.iter().map(|s| s.position_m))?;
         for slope in &self.slope {
             let expected = "an angle within ±π/2";
-            in_range("slope_rad", slope.slope_rad, -FRAC_PI_2, FRAC_PI_2, expected)?;
+            in_range(
+                "slope_rad",
+                slope.slope_rad,
+                -FRAC_PI_2,
+                FRAC_PI_2,
+                expected,
+            )?;
         }
         self.join_stops();
         Ok(self)

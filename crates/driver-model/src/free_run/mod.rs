@@ -23,14 +23,20 @@ mod evaluation;
 mod fit;
 mod habit;
 mod law;
+mod law_fit;
 mod manoeuvres;
 mod map;
 mod plan;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp)]
+mod property_tests;
 mod recording;
 mod road;
 mod score;
 mod slowdowns;
+mod summary;
 #[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp)]
 mod tests;
 mod zigzag;
 
@@ -41,15 +47,15 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 pub use clock::FreeRun;
 pub use evaluation::{
-    FreeRunEvaluation, FreeRunFold, FreeRunGroup, FreeRunSettings, FreeRunSummary, FreeRunTrip,
-    PercentErrors, evaluate_free_run,
+    FreeRunEvaluation, FreeRunFold, FreeRunGroup, FreeRunSettings, FreeRunTrip, evaluate_free_run,
 };
 pub use habit::{HabitLine, LimitHabit, WantedSpeed};
 pub use law::{AccelerationLaw, BrakingLaw};
-pub use map::{LimitFrom, RoadMap, SlopeAt, SlowPoint, RoadStop};
+pub use map::{LimitFrom, RoadMap, RoadStop, SlopeAt, SlowPoint};
 pub use road::{NODE_SPACING_M, Road, RoadKnowledge};
 pub use score::FreeRunScore;
 pub use slowdowns::{LimitSlowdowns, Slowdowns};
+pub use summary::{FreeRunSummary, PercentErrors};
 
 /// Slower than this the car stands, m/s.
 const STANDSTILL_MPS: f64 = 0.3;
@@ -154,6 +160,11 @@ const LIMITS_PER_MPS: f64 = 100.0;
 
 fn rounded_limit(limit_mps: f64) -> f64 {
     (limit_mps * LIMITS_PER_MPS).round() / LIMITS_PER_MPS
+}
+
+/// Whether two rounded limits are the same.
+fn is_same_limit(a_mps: f64, b_mps: f64) -> bool {
+    (a_mps - b_mps).abs() < 0.5 / LIMITS_PER_MPS
 }
 
 /// Range of limits in tables and on roads.

@@ -1,4 +1,4 @@
-use super::{Road, TripDriver};
+use super::{Road, TripDriver, is_same_limit};
 
 /// Drops of the wanted speed up to this are no event, m/s.
 const LEAST_DROP_MPS: f64 = 0.01;
@@ -11,7 +11,10 @@ impl TripDriver {
         for (node, limited) in (1..).zip(wanted_mps.windows(2)) {
             let (before, wanted) = (limited[0], limited[1]);
             let drops = wanted < before - LEAST_DROP_MPS;
-            for speed in [drops.then_some(wanted), Some(cap_mps[node])].into_iter().flatten() {
+            for speed in [drops.then_some(wanted), Some(cap_mps[node])]
+                .into_iter()
+                .flatten()
+            {
                 // False for the infinite cap of most nodes.
                 if before - speed > LEAST_DROP_MPS {
                     ceiling.brake(node, speed, self.braking().mps2(before - speed));
@@ -37,7 +40,7 @@ impl TripDriver {
         limit_mps
             .iter()
             .map(|&limit| {
-                if last.0 != limit {
+                if !is_same_limit(last.0, limit) {
                     last = (limit, self.wanted().mps(limit));
                 }
                 last.1

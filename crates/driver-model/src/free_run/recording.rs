@@ -1,8 +1,8 @@
 use drive_log::{Channel, DriveLog};
 
-use super::map::{LimitFrom, RoadMap, STOP_SPACING_M, SlowPoint, RoadStop};
+use super::map::{LimitFrom, RoadMap, RoadStop, STOP_SPACING_M, SlowPoint};
 use super::zigzag::{Extremum, zigzag};
-use super::{LIMIT_MPS, STANDSTILL_MPS, rounded_limit};
+use super::{LIMIT_MPS, STANDSTILL_MPS, is_same_limit, rounded_limit};
 use crate::Error;
 
 /// Below this a speed is 0, m/s.
@@ -85,12 +85,17 @@ impl Recording {
     pub(super) fn crossing_s(&self, k: usize, level_mps: f64) -> f64 {
         let (from, to) = (self.speed_mps[k], self.speed_mps[k + 1]);
         let share = (level_mps - from) / (to - from);
-        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        let share = if share.is_finite() {
+            share.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         (k as f64 + share) * self.step_s
     }
 
     fn limits(&self) -> Vec<LimitFrom> {
-        let changes = (1..self.limit_mps.len()).filter(|&k| self.limit_mps[k] != self.limit_mps[k - 1]);
+        let changes = (1..self.limit_mps.len())
+            .filter(|&k| !is_same_limit(self.limit_mps[k], self.limit_mps[k - 1]));
         std::iter::once(0)
             .chain(changes)
             .map(|k| LimitFrom {
@@ -192,7 +197,10 @@ fn known_limits(log: &DriveLog) -> Result<Vec<f64>, Error> {
             expected: "a limit from 0.5 m/s to 400 km/h in every sample",
         });
     }
-    Ok(limit_mps.iter().map(|&limit| rounded_limit(limit)).collect())
+    Ok(limit_mps
+        .iter()
+        .map(|&limit| rounded_limit(limit))
+        .collect())
 }
 
 fn distance_m(speed_mps: &[f64], step_s: f64) -> Vec<f64> {

@@ -177,7 +177,11 @@ pub(super) fn map_of(
     if knowledge == RoadKnowledge::Stops {
         map.slow_points = None;
     }
-    for (&position_m, &slope_rad) in recording.distance_m.iter().zip(slope_rad.unwrap_or_default()) {
+    for (&position_m, &slope_rad) in recording
+        .distance_m
+        .iter()
+        .zip(slope_rad.unwrap_or_default())
+    {
         map.slope.push(SlopeAt {
             position_m,
             slope_rad,

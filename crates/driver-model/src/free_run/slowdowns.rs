@@ -86,7 +86,11 @@ impl Slowdowns {
         }
         within("slowdowns.per_m", self.per_m, &PER_M)?;
         within("slowdowns.speed_mps", self.speed_mps, &SPEED_MPS)?;
-        within("slowdowns.at_change_share", self.at_change_share, &(0.0..=1.0))?;
+        within(
+            "slowdowns.at_change_share",
+            self.at_change_share,
+            &(0.0..=1.0),
+        )?;
         within("slowdowns.at_change_mps", self.at_change_mps, &SPEED_MPS)
     }
 
@@ -106,7 +110,10 @@ impl Slowdowns {
                 }
             }
         }
-        let all_mps = counts.values().flat_map(|c| &c.speeds_mps).chain(&at_changes);
+        let all_mps = counts
+            .values()
+            .flat_map(|c| &c.speeds_mps)
+            .chain(&at_changes);
         // Without a slow point the rates are 0 and the speed is of no consequence.
         let speed_mps = mean(all_mps.copied()).unwrap_or(STANDSTILL_MPS);
         let length_m: f64 = counts.values().map(|c| c.length_m).sum();
@@ -150,7 +157,11 @@ impl Count {
         let own = self.speeds_mps.len() as f64 / self.length_m;
         LimitSlowdowns {
             limit_mps: self.limit_mps,
-            per_m: if self.length_m > LEAST_M { own.min(*PER_M.end()) } else { per_m },
+            per_m: if self.length_m > LEAST_M {
+                own.min(*PER_M.end())
+            } else {
+                per_m
+            },
             speed_mps: mean(self.speeds_mps.iter().copied()).unwrap_or(speed_mps),
         }
     }
@@ -162,6 +173,7 @@ fn from(points: &[SlowPoint], from_m: f64) -> &[SlowPoint] {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)]
 mod tests {
     use super::*;
 

@@ -46,7 +46,9 @@ mod tests {
 
     #[test]
     fn turns_alternate_and_ripple_does_not_count() {
-        let speed = [0.0, 0.0, 5.0, 10.0, 10.0, 9.0, 10.0, 4.0, 3.0, 3.0, 4.4, 3.2, 8.0, 7.0];
+        let speed = [
+            0.0, 0.0, 5.0, 10.0, 10.0, 9.0, 10.0, 4.0, 3.0, 3.0, 4.4, 3.2, 8.0, 7.0,
+        ];
         assert_eq!(zigzag(&speed), [Low(1), High(3), Low(9)]);
         let falling: Vec<f64> = speed.iter().rev().copied().collect();
         assert_eq!(zigzag(&falling), [High(1), Low(5), High(7)]);

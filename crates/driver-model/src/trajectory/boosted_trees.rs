@@ -10,7 +10,7 @@ use crate::Error;
 /// Fitted by a library, kept in a form of our own: a file with trees that lead nowhere is refused.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawTrees")]
-pub struct BoostedTrees {
+pub(super) struct BoostedTrees {
     base: f64,
     predictors: usize,
     trees: Vec<Vec<Node>>,
@@ -38,13 +38,20 @@ impl TryFrom<RawTrees> for BoostedTrees {
     type Error = Error;
 
     fn try_from(raw: RawTrees) -> Result<Self, Error> {
-        let trees = Self { base: raw.base, predictors: raw.predictors, trees: raw.trees };
+        let trees = Self {
+            base: raw.base,
+            predictors: raw.predictors,
+            trees: raw.trees,
+        };
         let sound = |tree: &Vec<Node>| {
             let leads_on = |(i, node): (usize, &Node)| match *node {
                 Node::Leaf(value) => value.is_finite(),
                 Node::Split(predictor, threshold, below, above) => {
                     let forward = |child| child > i && child < tree.len();
-                    predictor < trees.predictors && threshold.is_finite() && forward(below) && forward(above)
+                    predictor < trees.predictors
+                        && threshold.is_finite()
+                        && forward(below)
+                        && forward(above)
                 }
             };
             !tree.is_empty() && tree.iter().enumerate().all(leads_on)
@@ -52,7 +59,9 @@ impl TryFrom<RawTrees> for BoostedTrees {
         if trees.base.is_finite() && trees.trees.iter().all(sound) {
             return Ok(trees);
         }
-        Err(Error::ModelFile { reason: "a tree leads nowhere; fit the model again".to_owned() })
+        Err(Error::ModelFile {
+            reason: "a tree leads nowhere; fit the model again".to_owned(),
+        })
     }
 }
 
@@ -73,13 +82,17 @@ impl BoostedTrees {
             .set_initialize_base_score(true)
             .set_parallel(false);
         booster.grow_policy = GrowPolicy::LossGuide;
-        let columns: Vec<f64> =
-            (0..predictors).flat_map(|j| rows.iter().skip(j).step_by(predictors)).copied().collect();
+        let columns: Vec<f64> = (0..predictors)
+            .flat_map(|j| rows.iter().skip(j).step_by(predictors))
+            .copied()
+            .collect();
         let matrix = Matrix::new(&columns, response.len(), predictors);
-        booster.fit_unweighted(&matrix, response, None).map_err(|error| Error::Fit {
-            model: "boosted-trees",
-            reason: error.to_string(),
-        })?;
+        booster
+            .fit_unweighted(&matrix, response, None)
+            .map_err(|error| Error::Fit {
+                model: "boosted-trees",
+                reason: error.to_string(),
+            })?;
         let trees = booster.trees.iter().map(|tree| {
             // Level by level, so that children come after their parents.
             let mut order = vec![0];
@@ -95,7 +108,11 @@ impl BoostedTrees {
             }
             nodes
         });
-        Ok(Self { base: booster.base_score, predictors, trees: trees.collect() })
+        Ok(Self {
+            base: booster.base_score,
+            predictors,
+            trees: trees.collect(),
+        })
     }
 
     /// Number of predictors.
@@ -104,7 +121,11 @@ impl BoostedTrees {
     }
 
     pub(super) fn predict(&self, rows: &[f64]) -> Vec<f64> {
-        let answer = |row: &[f64]| self.trees.iter().fold(self.base, |sum, tree| sum + leaf(tree, row));
+        let answer = |row: &[f64]| {
+            self.trees
+                .iter()
+                .fold(self.base, |sum, tree| sum + leaf(tree, row))
+        };
         rows.chunks_exact(self.predictors).map(answer).collect()
     }
 }
@@ -115,7 +136,11 @@ fn leaf(tree: &[Node], row: &[f64]) -> f64 {
         match tree[at] {
             Node::Leaf(value) => return value,
             Node::Split(predictor, threshold, below, above) => {
-                at = if row[predictor] < threshold { below } else { above };
+                at = if row[predictor] < threshold {
+                    below
+                } else {
+                    above
+                };
             }
         }
     }

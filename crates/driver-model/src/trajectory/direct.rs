@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use svr::{Kernel, Penalty, Response, Samples, Settings};
+use svr::{Kernel, Penalty, Response, Samples, Settings, Status};
 
 use super::boosted_trees::BoostedTrees;
 use super::predictors::{Predictor, predictors, rows};
 use super::{Course, DirectKind};
 use crate::Error;
+use crate::statistics::mean;
 
 /// What direct predictions are made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +63,7 @@ const TUBE_FACTOR: f64 = 8.0;
 pub struct DirectModel {
     kind: DirectKind,
     step_s: f64,
+    samples: usize,
     predictors: Vec<Predictor>,
     horizons: Vec<Horizon>,
 }
@@ -75,15 +77,21 @@ struct Horizon {
     interval_mps: Option<f64>,
     regression: Option<Regression>,
     trees: Option<BoostedTrees>,
+    /// How the solver of a support vector regression ended.
+    status: Option<Status>,
 }
 
 type Regression = svr::Model;
+
+/// A regression, and how its solver ended where it is one that might not.
+type Solved = (Regression, Option<Status>);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawModel {
     kind: DirectKind,
     step_s: f64,
+    samples: usize,
     predictors: Vec<Predictor>,
     horizons: Vec<Horizon>,
 }
@@ -92,9 +100,23 @@ impl TryFrom<RawModel> for DirectModel {
     type Error = Error;
 
     fn try_from(raw: RawModel) -> Result<Self, Error> {
-        let RawModel { kind, step_s, predictors, horizons } = raw;
-        let model = Self { kind, step_s, predictors, horizons };
-        model.check().map_err(|reason| Error::ModelFile { reason: reason.to_owned() })?;
+        let RawModel {
+            kind,
+            step_s,
+            samples,
+            predictors,
+            horizons,
+        } = raw;
+        let model = Self {
+            kind,
+            step_s,
+            samples,
+            predictors,
+            horizons,
+        };
+        model.check().map_err(|reason| Error::ModelFile {
+            reason: reason.to_owned(),
+        })?;
         Ok(model)
     }
 }
@@ -106,6 +128,23 @@ pub struct SpeedAhead {
     pub speed_mps: Vec<f64>,
 }
 
+/// Predictions at one horizon beside what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HorizonScore {
+    /// Seconds ahead.
+    pub horizon_s: f64,
+    /// Half width of the prediction interval.
+    pub interval_mps: Option<f64>,
+    /// One per moment.
+    pub speed_mps: Vec<f64>,
+    /// One per moment; `None` where the drive is over by then.
+    pub measured_mps: Vec<Option<f64>>,
+    /// Root mean square error; `None` where nothing was measured.
+    pub rmse_mps: Option<f64>,
+    /// Share of measured speeds in the interval.
+    pub inside_pct: Option<f64>,
+}
+
 impl DirectModel {
     /// Fits one regression per horizon to drives of the same sampling interval, and prediction intervals to the errors on
     /// every third drive, predicted from the others.
@@ -113,13 +152,20 @@ impl DirectModel {
     /// # Errors
     /// [`Error::TooFewPhases`] where there is not enough to learn from, [`Error::Option`] for settings out of range,
     /// [`Error::Steps`] for drives of different sampling intervals, and what the regressions refuse.
-    pub fn fit(kind: DirectKind, courses: &[&Course], settings: &DirectSettings) -> Result<Self, Error> {
+    pub fn fit(
+        kind: DirectKind,
+        courses: &[&Course],
+        settings: &DirectSettings,
+    ) -> Result<Self, Error> {
         settings.check()?;
         let mut model = Self::fit_points(kind, courses, settings)?;
         if kind.is_fitted() {
             let third = |held: bool| -> Vec<&Course> {
                 let courses = courses.iter().enumerate();
-                courses.filter(|(i, _)| (i % 3 == 2) == held).map(|(_, course)| *course).collect()
+                courses
+                    .filter(|(i, _)| (i % 3 == 2) == held)
+                    .map(|(_, course)| *course)
+                    .collect()
             };
             if let Ok(calibration) = Self::fit_points(kind, &third(false), settings) {
                 model.calibrate(&calibration, &third(true), settings.coverage)?;
@@ -128,18 +174,36 @@ impl DirectModel {
         Ok(model)
     }
 
-    fn fit_points(kind: DirectKind, courses: &[&Course], settings: &DirectSettings) -> Result<Self, Error> {
+    fn fit_points(
+        kind: DirectKind,
+        courses: &[&Course],
+        settings: &DirectSettings,
+    ) -> Result<Self, Error> {
         let step_s = courses.first().map_or(1.0, |course| course.step_s);
-        if let Some(other) = courses.iter().find(|course| (course.step_s - step_s).abs() > 1e-9) {
-            return Err(Error::Steps { log: other.name.clone(), found_s: other.step_s, expected_s: step_s });
+        if let Some(other) = courses
+            .iter()
+            .find(|course| (course.step_s - step_s).abs() > 1e-9)
+        {
+            return Err(Error::Steps {
+                log: other.name.clone(),
+                found_s: other.step_s,
+                expected_s: step_s,
+            });
         }
         let limits = courses.iter().all(|course| course.limit_mps.is_some());
         let slope = settings.slope_ahead && courses.iter().all(|course| course.slope_rad.is_some());
         let weighted = predictors(step_s, limits, slope);
-        let horizon = |&horizon_s| Horizon { horizon_s, interval_mps: None, regression: None, trees: None };
+        let horizon = |&horizon_s| Horizon {
+            horizon_s,
+            interval_mps: None,
+            regression: None,
+            trees: None,
+            status: None,
+        };
         let mut model = Self {
             kind,
             step_s,
+            samples: 0,
             predictors: weighted.iter().map(|(predictor, _)| *predictor).collect(),
             horizons: settings.horizons_s.iter().map(horizon).collect(),
         };
@@ -150,33 +214,55 @@ impl DirectModel {
         Ok(model)
     }
 
-    fn learn(&mut self, courses: &[&Course], settings: &DirectSettings, weights: Vec<f64>) -> Result<(), Error> {
+    fn learn(
+        &mut self,
+        courses: &[&Course],
+        settings: &DirectSettings,
+        weights: Vec<f64>,
+    ) -> Result<(), Error> {
         let training = Training::gather(courses, &self.predictors, settings)?;
         let d = self.predictors.len();
         let samples = Samples::new(&training.rows, d)?;
-        let responses = training.changes.iter().map(|changes| Response::new(changes));
+        let responses = training
+            .changes
+            .iter()
+            .map(|changes| Response::new(changes));
         let responses = responses.collect::<Result<Vec<_>, _>>()?;
+        self.samples = samples.len();
         let regressions = self.kind.regressions(&samples, &responses, weights)?;
         let trees = self.kind.has_trees().then(|| {
-            let trees = training.changes.par_iter().map(|changes| BoostedTrees::fit(&training.rows, d, changes));
+            let trees = training
+                .changes
+                .par_iter()
+                .map(|changes| BoostedTrees::fit(&training.rows, d, changes));
             trees.collect::<Result<Vec<_>, Error>>()
         });
         let mut trees = trees.transpose()?.unwrap_or_default().into_iter();
         let mut regressions = regressions.into_iter();
         for horizon in &mut self.horizons {
-            (horizon.regression, horizon.trees) = (regressions.next(), trees.next());
+            if let Some((regression, status)) = regressions.next() {
+                (horizon.regression, horizon.status) = (Some(regression), status);
+            }
+            horizon.trees = trees.next();
         }
         Ok(())
     }
 
     /// Split conformal prediction (V. Vovk, A. Gammerman, G. Shafer, 2005), by whole drives: neighbours resemble each other.
-    fn calibrate(&mut self, calibration: &Self, held: &[&Course], coverage: f64) -> Result<(), Error> {
+    fn calibrate(
+        &mut self,
+        calibration: &Self,
+        held: &[&Course],
+        coverage: f64,
+    ) -> Result<(), Error> {
         let mut errors = vec![Vec::new(); self.horizons.len()];
         for course in held {
             let origins = calibration.origins(course, 1.0);
             let predicted = calibration.predict(course, &origins)?;
             for (&origin, ahead) in origins.iter().zip(predicted) {
-                for ((errors, horizon), speed) in errors.iter_mut().zip(&self.horizons).zip(ahead.speed_mps) {
+                for ((errors, horizon), speed) in
+                    errors.iter_mut().zip(&self.horizons).zip(ahead.speed_mps)
+                {
                     let measured = course.speed_mps[origin + course.samples_in(horizon.horizon_s)];
                     errors.push((speed - measured).abs());
                 }
@@ -205,6 +291,37 @@ impl DirectModel {
         self.step_s
     }
 
+    /// Number of predictors.
+    #[must_use]
+    pub fn predictors(&self) -> usize {
+        self.predictors.len()
+    }
+
+    /// Samples learnt from.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Horizons whose solver stopped before the optimum.
+    pub fn unfinished_s(&self) -> impl Iterator<Item = f64> {
+        let unfinished = |horizon: &&Horizon| {
+            horizon
+                .status
+                .is_some_and(|status| status != Status::Optimal)
+        };
+        self.horizons
+            .iter()
+            .filter(unfinished)
+            .map(|horizon| horizon.horizon_s)
+    }
+
+    /// Every moment with enough past, `step_s` apart.
+    #[must_use]
+    pub fn moments(&self, course: &Course, step_s: f64) -> Vec<usize> {
+        origins(course, 0.0, step_s)
+    }
+
     /// Seconds ahead.
     pub fn horizons_s(&self) -> impl ExactSizeIterator<Item = f64> {
         self.horizons.iter().map(|horizon| horizon.horizon_s)
@@ -228,27 +345,82 @@ impl DirectModel {
     /// knows them.
     pub fn predict(&self, course: &Course, origins: &[usize]) -> Result<Vec<SpeedAhead>, Error> {
         if (course.step_s - self.step_s).abs() > 1e-9 {
-            return Err(Error::Steps { log: course.name.clone(), found_s: course.step_s, expected_s: self.step_s });
+            return Err(Error::Steps {
+                log: course.name.clone(),
+                found_s: course.step_s,
+                expected_s: self.step_s,
+            });
         }
-        let knows_limits = self.predictors.iter().any(|p| matches!(p, Predictor::Limit { .. }));
+        let knows_limits = self
+            .predictors
+            .iter()
+            .any(|p| matches!(p, Predictor::Limit { .. }));
         if knows_limits && course.limit_mps.is_none() {
-            return Err(Error::NoLimits { log: course.name.clone() });
+            return Err(Error::NoLimits {
+                log: course.name.clone(),
+            });
         }
-        let mut ahead: Vec<SpeedAhead> = origins.iter().map(|_| SpeedAhead { speed_mps: Vec::new() }).collect();
+        let mut ahead: Vec<SpeedAhead> = origins
+            .iter()
+            .map(|_| SpeedAhead {
+                speed_mps: Vec::new(),
+            })
+            .collect();
         if origins.is_empty() {
             return Ok(ahead);
         }
         let rows = rows(course, &self.predictors, origins);
         for horizon in &self.horizons {
             let changes = match self.kind.baseline_change(horizon.horizon_s) {
-                Some(change) => origins.iter().map(|&origin| change * accel_mps2(course, origin)).collect(),
+                Some(change) => origins
+                    .iter()
+                    .map(|&origin| change * accel_mps2(course, origin))
+                    .collect(),
                 None => horizon.changes(&rows, self.predictors.len())?,
             };
             for ((ahead, change), &origin) in ahead.iter_mut().zip(changes).zip(origins) {
-                ahead.speed_mps.push((course.speed_mps[origin] + change).max(0.0));
+                ahead
+                    .speed_mps
+                    .push((course.speed_mps[origin] + change).max(0.0));
             }
         }
         Ok(ahead)
+    }
+
+    /// Predicts as [`Self::predict`] and compares with the measured speed as far as the drive goes; one per horizon.
+    ///
+    /// # Errors
+    /// As [`Self::predict`].
+    pub fn score(&self, course: &Course, origins: &[usize]) -> Result<Vec<HorizonScore>, Error> {
+        let ahead = self.predict(course, origins)?;
+        let score = |(k, horizon): (usize, &Horizon)| {
+            let speed_mps: Vec<f64> = ahead.iter().map(|ahead| ahead.speed_mps[k]).collect();
+            let steps = course.samples_in(horizon.horizon_s);
+            let measured = origins
+                .iter()
+                .map(|&origin| course.speed_mps.get(origin + steps).copied());
+            let measured_mps: Vec<Option<f64>> = measured.collect();
+            let errors = speed_mps
+                .iter()
+                .zip(&measured_mps)
+                .filter_map(|(p, v)| v.map(|v| p - v));
+            let inside = |interval_mps: f64| {
+                mean(
+                    errors
+                        .clone()
+                        .map(|e| if e.abs() <= interval_mps { 100.0 } else { 0.0 }),
+                )
+            };
+            HorizonScore {
+                horizon_s: horizon.horizon_s,
+                interval_mps: horizon.interval_mps,
+                rmse_mps: mean(errors.clone().map(|e| e * e)).map(f64::sqrt),
+                inside_pct: horizon.interval_mps.and_then(inside),
+                speed_mps,
+                measured_mps,
+            }
+        };
+        Ok(self.horizons.iter().enumerate().map(score).collect())
     }
 
     fn check(&self) -> Result<(), &'static str> {
@@ -268,7 +440,11 @@ impl DirectModel {
         if !self.horizons.iter().all(fits) {
             return Err("regressions do not fit the predictors");
         }
-        if !self.predictors.iter().all(|predictor| predictor.is_usable()) {
+        if !self
+            .predictors
+            .iter()
+            .all(|predictor| predictor.is_usable())
+        {
             return Err("a predictor looks at an impossible time");
         }
         Ok(())
@@ -278,7 +454,11 @@ impl DirectModel {
 impl Horizon {
     /// Mean of what there is: a regression, trees, or both.
     fn changes(&self, rows: &[f64], d: usize) -> Result<Vec<f64>, Error> {
-        let regression = self.regression.as_ref().map(|model| model.predict(&Samples::new(rows, d)?)).transpose()?;
+        let regression = self
+            .regression
+            .as_ref()
+            .map(|model| model.predict(&Samples::new(rows, d)?))
+            .transpose()?;
         let trees = self.trees.as_ref().map(|trees| trees.predict(rows));
         Ok(match (regression, trees) {
             (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect(),
@@ -289,11 +469,18 @@ impl Horizon {
 }
 
 impl DirectKind {
-    fn regressions(self, samples: &Samples<'_>, responses: &[Response<'_>], weights: Vec<f64>) -> Result<Vec<svr::Model>, Error> {
+    fn regressions(
+        self,
+        samples: &Samples<'_>,
+        responses: &[Response<'_>],
+        weights: Vec<f64>,
+    ) -> Result<Vec<Solved>, Error> {
         let kernel = match self {
             Self::Ridge => {
                 let settings = Settings::default();
-                return Ok(svr::fit_least_squares(samples, responses, &settings, RIDGE_BOX_CONSTRAINT)?);
+                let models =
+                    svr::fit_least_squares(samples, responses, &settings, RIDGE_BOX_CONSTRAINT)?;
+                return Ok(models.into_iter().map(|model| (model, None)).collect());
             }
             Self::LeastSquares | Self::Blend => {
                 let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
@@ -303,7 +490,13 @@ impl DirectKind {
                     predictor_weights: weights,
                     ..Settings::default()
                 };
-                return Ok(svr::fit_least_squares(samples, responses, &settings, LEAST_SQUARES_BOX_CONSTRAINT)?);
+                let models = svr::fit_least_squares(
+                    samples,
+                    responses,
+                    &settings,
+                    LEAST_SQUARES_BOX_CONSTRAINT,
+                )?;
+                return Ok(models.into_iter().map(|model| (model, None)).collect());
             }
             Self::SvrLinear => Kernel::Linear,
             Self::SvrQuadratic => Kernel::Quadratic,
@@ -319,7 +512,11 @@ impl DirectKind {
                 Kernel::Rbf => RBF_SCALE * size,
                 Kernel::Quadratic | Kernel::Cubic => size,
             }),
-            predictor_weights: if kernel == Kernel::Linear { Vec::new() } else { weights },
+            predictor_weights: if kernel == Kernel::Linear {
+                Vec::new()
+            } else {
+                weights
+            },
             ..Settings::default()
         };
         // Kernel rows are shared by all horizons; each starts from the one before.
@@ -333,7 +530,7 @@ impl DirectKind {
                 tube_epsilon: Some(TUBE_FACTOR * default.tube_epsilon),
             };
             let fit = trainer.fit(response, &penalty, before.as_ref())?;
-            models.push(fit.model.clone());
+            models.push((fit.model.clone(), Some(fit.status)));
             before = Some(fit);
         }
         Ok(models)
@@ -363,10 +560,16 @@ struct Training {
 }
 
 impl Training {
-    fn gather(courses: &[&Course], predictors: &[Predictor], settings: &DirectSettings) -> Result<Self, Error> {
+    fn gather(
+        courses: &[&Course],
+        predictors: &[Predictor],
+        settings: &DirectSettings,
+    ) -> Result<Self, Error> {
         let longest_s = settings.horizons_s.iter().copied().fold(0.0, f64::max);
-        let origins: Vec<Vec<usize>> =
-            courses.iter().map(|course| origins(course, longest_s, settings.sample_step_s)).collect();
+        let origins: Vec<Vec<usize>> = courses
+            .iter()
+            .map(|course| origins(course, longest_s, settings.sample_step_s))
+            .collect();
         let total: usize = origins.iter().map(Vec::len).sum();
         if total < LEAST_SAMPLES {
             return Err(Error::TooFewPhases {
@@ -378,7 +581,10 @@ impl Training {
         }
         let most = settings.max_samples.max(LEAST_SAMPLES);
         let mut seen = 0;
-        let mut training = Self { rows: Vec::new(), changes: vec![Vec::new(); settings.horizons_s.len()] };
+        let mut training = Self {
+            rows: Vec::new(),
+            changes: vec![Vec::new(); settings.horizons_s.len()],
+        };
         for (course, origins) in courses.iter().zip(origins) {
             let chosen = origins.into_iter().filter(|_| {
                 seen += 1;
@@ -388,7 +594,11 @@ impl Training {
             training.rows.extend(rows(course, predictors, &chosen));
             for (changes, &horizon_s) in training.changes.iter_mut().zip(&settings.horizons_s) {
                 let ahead = course.samples_in(horizon_s);
-                changes.extend(chosen.iter().map(|&i| course.speed_mps[i + ahead] - course.speed_mps[i]));
+                changes.extend(
+                    chosen
+                        .iter()
+                        .map(|&i| course.speed_mps[i + ahead] - course.speed_mps[i]),
+                );
             }
         }
         Ok(training)
@@ -398,15 +608,28 @@ impl Training {
 impl DirectSettings {
     fn check(&self) -> Result<(), Error> {
         let longest = self.horizons_s.iter().copied().fold(0.0, f64::max);
-        Error::unless_at_least("the number of horizons", self.horizons_s.len() as f64, 1.0, "at least 1")?;
+        Error::unless_at_least(
+            "the number of horizons",
+            self.horizons_s.len() as f64,
+            1.0,
+            "at least 1",
+        )?;
         for &horizon_s in &self.horizons_s {
             Error::unless_at_least("horizon_s", horizon_s, 0.1, "0.1 s to 60 s")?;
         }
         if longest > 60.0 {
-            return Err(Error::Option { name: "horizon_s", value: longest, expected: "0.1 s to 60 s" });
+            return Err(Error::Option {
+                name: "horizon_s",
+                value: longest,
+                expected: "0.1 s to 60 s",
+            });
         }
         if !(self.coverage > 0.0 && self.coverage < 1.0) {
-            return Err(Error::Option { name: "coverage", value: self.coverage, expected: "between 0 and 1" });
+            return Err(Error::Option {
+                name: "coverage",
+                value: self.coverage,
+                expected: "between 0 and 1",
+            });
         }
         Error::unless_at_least("sample_step_s", self.sample_step_s, 0.0, "at least 0 s")
     }

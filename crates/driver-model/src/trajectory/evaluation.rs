@@ -4,7 +4,10 @@ use ev_energy::Vehicle;
 use rayon::prelude::*;
 
 use super::horizon::{HorizonErrors, HorizonRow, HorizonVerdict, verdicts};
-use super::{Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, TripFigures, TripSummary};
+use super::{
+    Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings,
+    TripFigures, TripSummary,
+};
 use crate::Error;
 
 /// Drives of an evaluation, in units that are held out together.
@@ -22,12 +25,20 @@ impl TrajectoryData {
     /// Takes the drives of every log; logs with the same name of unit are held out together.
     #[must_use]
     pub fn new(courses_of_logs: Vec<Vec<Course>>, unit_names: &[String]) -> Self {
-        let mut data = Self { courses: Vec::new(), unit_of: Vec::new(), units: Vec::new() };
+        let mut data = Self {
+            courses: Vec::new(),
+            unit_of: Vec::new(),
+            units: Vec::new(),
+        };
         for (courses, name) in courses_of_logs.into_iter().zip(unit_names) {
-            let unit = data.units.iter().position(|unit| unit == name).unwrap_or_else(|| {
-                data.units.push(name.clone());
-                data.units.len() - 1
-            });
+            let unit = data
+                .units
+                .iter()
+                .position(|unit| unit == name)
+                .unwrap_or_else(|| {
+                    data.units.push(name.clone());
+                    data.units.len() - 1
+                });
             data.unit_of.extend(courses.iter().map(|_| unit));
             data.courses.extend(courses);
         }
@@ -88,7 +99,8 @@ impl TrialResult {
     /// The row of Table 4.1; `None` without trips.
     #[must_use]
     pub fn summary(&self) -> Option<TripSummary> {
-        TripSummary::of(self.trips.iter().map(|trip| &trip.figures))
+        let figures: Vec<&TripFigures> = self.trips.iter().map(|trip| &trip.figures).collect();
+        TripSummary::of(&figures)
     }
 }
 
@@ -120,12 +132,15 @@ pub fn evaluate_trajectory(
     progress: &(dyn Fn() + Sync),
 ) -> Result<TrajectoryEvaluation, Error> {
     if settings.folds < 2 || data.units.len() < settings.folds {
-        return Err(Error::TooFewTrips { found: data.units.len() });
+        return Err(Error::TooFewTrips {
+            found: data.units.len(),
+        });
     }
     let with_limits = data.courses.iter().all(|course| course.limit_mps.is_some());
     let contestants = settings.contestants(with_limits);
-    let jobs: Vec<(usize, usize)> =
-        (0..contestants.len()).flat_map(|c| (0..settings.folds).map(move |fold| (c, fold))).collect();
+    let jobs: Vec<(usize, usize)> = (0..contestants.len())
+        .flat_map(|c| (0..settings.folds).map(move |fold| (c, fold)))
+        .collect();
     let run = |&(c, fold): &(usize, usize)| {
         let split = Split::of(data, fold, settings.folds);
         let outcome = contestants[c].run(&split, data, vehicle, settings);
@@ -143,11 +158,14 @@ pub fn evaluate_trajectory(
     };
     let mut outcomes = outcomes.into_iter();
     for contestant in contestants {
-        let folds: Result<Vec<FoldOutcome>, Error> = outcomes.by_ref().take(settings.folds).collect();
+        let folds: Result<Vec<FoldOutcome>, Error> =
+            outcomes.by_ref().take(settings.folds).collect();
         match folds {
             Ok(folds) => evaluation.add(contestant, folds, data.units.len()),
             Err(error) if contestant.is_optional() => {
-                evaluation.left_out.push((contestant.name(), error.to_string()));
+                evaluation
+                    .left_out
+                    .push((contestant.name(), error.to_string()));
             }
             Err(error) => return Err(error),
         }
@@ -167,7 +185,10 @@ impl TrajectorySettings {
 
     fn contestants(&self, with_limits: bool) -> Vec<Contestant> {
         let wanted = |kind: &DirectKind| kind.is_baseline() || self.models.contains(kind);
-        let direct = DirectKind::ALL.into_iter().filter(wanted).map(Contestant::Direct);
+        let direct = DirectKind::ALL
+            .into_iter()
+            .filter(wanted)
+            .map(Contestant::Direct);
         let trials = Trial::ALL.into_iter().map(Contestant::Trial);
         direct.chain(trials.filter(|_| with_limits)).collect()
     }
@@ -207,6 +228,7 @@ struct FoldOutcome {
     trial: Option<(FittedTrial, Vec<TrialTrip>)>,
     fit_seconds: f64,
     predict_seconds: f64,
+    unfinished: usize,
 }
 
 impl Contestant {
@@ -222,7 +244,13 @@ impl Contestant {
         !matches!(self, Self::Direct(kind) if kind.is_baseline())
     }
 
-    fn run(self, split: &Split<'_>, data: &TrajectoryData, vehicle: &Vehicle, settings: &TrajectorySettings) -> Result<FoldOutcome, Error> {
+    fn run(
+        self,
+        split: &Split<'_>,
+        data: &TrajectoryData,
+        vehicle: &Vehicle,
+        settings: &TrajectorySettings,
+    ) -> Result<FoldOutcome, Error> {
         match self {
             Self::Direct(kind) => run_direct(kind, split, data, settings),
             Self::Trial(trial) => run_trial(trial, split, data, vehicle, settings),
@@ -230,7 +258,12 @@ impl Contestant {
     }
 }
 
-fn run_direct(kind: DirectKind, split: &Split<'_>, data: &TrajectoryData, settings: &TrajectorySettings) -> Result<FoldOutcome, Error> {
+fn run_direct(
+    kind: DirectKind,
+    split: &Split<'_>,
+    data: &TrajectoryData,
+    settings: &TrajectorySettings,
+) -> Result<FoldOutcome, Error> {
     let started = Instant::now();
     let model = DirectModel::fit(kind, &split.train, &settings.direct)?;
     let fit_seconds = started.elapsed().as_secs_f64();
@@ -241,16 +274,32 @@ fn run_direct(kind: DirectKind, split: &Split<'_>, data: &TrajectoryData, settin
         let course = &data.courses[i];
         let origins = model.origins(course, settings.direct.sample_step_s);
         for (&origin, ahead) in origins.iter().zip(model.predict(course, &origins)?) {
-            for ((errors, horizon_s), speed) in errors.iter_mut().zip(model.horizons_s()).zip(ahead.speed_mps) {
+            for ((errors, horizon_s), speed) in errors
+                .iter_mut()
+                .zip(model.horizons_s())
+                .zip(ahead.speed_mps)
+            {
                 let measured = course.speed_mps[origin + course.samples_in(horizon_s)];
                 errors.add(data.unit_of[i], speed - measured);
             }
         }
     }
-    Ok(FoldOutcome { errors, trial: None, fit_seconds, predict_seconds: started.elapsed().as_secs_f64() })
+    Ok(FoldOutcome {
+        errors,
+        trial: None,
+        unfinished: model.unfinished_s().count(),
+        fit_seconds,
+        predict_seconds: started.elapsed().as_secs_f64(),
+    })
 }
 
-fn run_trial(trial: Trial, split: &Split<'_>, data: &TrajectoryData, vehicle: &Vehicle, settings: &TrajectorySettings) -> Result<FoldOutcome, Error> {
+fn run_trial(
+    trial: Trial,
+    split: &Split<'_>,
+    data: &TrajectoryData,
+    vehicle: &Vehicle,
+    settings: &TrajectorySettings,
+) -> Result<FoldOutcome, Error> {
     let started = Instant::now();
     let fitted = trial.fit(&split.train, &settings.trials)?;
     let fit_seconds = started.elapsed().as_secs_f64();
@@ -262,7 +311,11 @@ fn run_trial(trial: Trial, split: &Split<'_>, data: &TrajectoryData, vehicle: &V
         let course = &data.courses[i];
         let speed_mps = fitted.predict(course)?;
         let figures = TripFigures::compare(course, &speed_mps, vehicle, settings.band_mps)?;
-        trips.push(TrialTrip { course: i, speed_mps, figures });
+        trips.push(TrialTrip {
+            course: i,
+            speed_mps,
+            figures,
+        });
 
         let longest_s = horizons_s.iter().copied().fold(0.0, f64::max);
         let origins = super::direct::origins(course, longest_s, settings.direct.sample_step_s);
@@ -270,12 +323,16 @@ fn run_trial(trial: Trial, split: &Split<'_>, data: &TrajectoryData, vehicle: &V
         for (&origin, ahead) in origins.iter().zip(ahead) {
             for (errors, &horizon_s) in errors.iter_mut().zip(horizons_s) {
                 let steps = course.samples_in(horizon_s);
-                errors.add(data.unit_of[i], ahead[steps - 1] - course.speed_mps[origin + steps]);
+                errors.add(
+                    data.unit_of[i],
+                    ahead[steps - 1] - course.speed_mps[origin + steps],
+                );
             }
         }
     }
     Ok(FoldOutcome {
         errors,
+        unfinished: usize::from(fitted.fit.status != svr::Status::Optimal),
         trial: Some((fitted, trips)),
         fit_seconds,
         predict_seconds: started.elapsed().as_secs_f64(),
@@ -285,7 +342,7 @@ fn run_trial(trial: Trial, split: &Split<'_>, data: &TrajectoryData, vehicle: &V
 impl TrajectoryEvaluation {
     fn add(&mut self, contestant: Contestant, folds: Vec<FoldOutcome>, units: usize) {
         let mut errors = vec![HorizonErrors::none(units); self.horizons_s.len()];
-        let (mut fit_seconds, mut predict_seconds) = (0.0, 0.0);
+        let (mut fit_seconds, mut predict_seconds, mut unfinished) = (0.0, 0.0, 0);
         let (mut fits, mut trips) = (Vec::new(), Vec::new());
         for fold in folds {
             for (all, of_fold) in errors.iter_mut().zip(&fold.errors) {
@@ -293,12 +350,16 @@ impl TrajectoryEvaluation {
             }
             fit_seconds += fold.fit_seconds;
             predict_seconds += fold.predict_seconds;
+            unfinished += fold.unfinished;
             if let Some((fitted, predicted)) = fold.trial {
                 fits.push(fitted);
                 trips.extend(predicted);
             }
         }
-        self.rows.push(HorizonRow::new(contestant.name(), !contestant.is_optional(), errors, fit_seconds, predict_seconds));
+        let mut row = HorizonRow::new(contestant.name(), !contestant.is_optional(), errors);
+        (row.fit_seconds, row.predict_seconds, row.unfinished) =
+            (fit_seconds, predict_seconds, unfinished);
+        self.rows.push(row);
         if let Contestant::Trial(trial) = contestant {
             trips.sort_by_key(|trip| trip.course);
             self.trials.push(TrialResult { trial, fits, trips });

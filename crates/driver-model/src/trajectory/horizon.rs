@@ -15,16 +15,32 @@ pub(super) struct HorizonErrors {
 
 impl HorizonErrors {
     pub(super) fn none(units: usize) -> Self {
-        Self { units: vec![(0.0, 0.0, 0.0); units], interval_mps: None, inside: 0, judged: 0, interval_sum_mps: 0.0 }
+        Self {
+            units: vec![(0.0, 0.0, 0.0); units],
+            interval_mps: None,
+            inside: 0,
+            judged: 0,
+            interval_sum_mps: 0.0,
+        }
     }
 
     pub(super) fn for_each(intervals: &[Option<f64>], units: usize) -> Vec<Self> {
-        intervals.iter().map(|&interval_mps| Self { interval_mps, ..Self::none(units) }).collect()
+        intervals
+            .iter()
+            .map(|&interval_mps| Self {
+                interval_mps,
+                ..Self::none(units)
+            })
+            .collect()
     }
 
     pub(super) fn add(&mut self, unit: usize, error_mps: f64) {
         let sums = &mut self.units[unit];
-        *sums = (sums.0 + error_mps * error_mps, sums.1 + error_mps.abs(), sums.2 + 1.0);
+        *sums = (
+            sums.0 + error_mps * error_mps,
+            sums.1 + error_mps.abs(),
+            sums.2 + 1.0,
+        );
         if let Some(interval_mps) = self.interval_mps {
             self.judged += 1;
             self.inside += usize::from(error_mps.abs() <= interval_mps);
@@ -80,11 +96,13 @@ pub struct HorizonRow {
     pub fit_seconds: f64,
     /// Seconds of predicting all folds.
     pub predict_seconds: f64,
+    /// Regressions, over horizons and folds, whose solver stopped before the optimum.
+    pub unfinished: usize,
     errors: Vec<HorizonErrors>,
 }
 
 impl HorizonRow {
-    pub(super) fn new(model: String, baseline: bool, errors: Vec<HorizonErrors>, fit_seconds: f64, predict_seconds: f64) -> Self {
+    pub(super) fn new(model: String, baseline: bool, errors: Vec<HorizonErrors>) -> Self {
         let figures = errors.iter().map(|errors| {
             let judged = errors.judged as f64;
             HorizonFigures {
@@ -96,7 +114,16 @@ impl HorizonRow {
             }
         });
         let origins = errors.first().map_or(0, |errors| errors.count() as usize);
-        Self { model, baseline, figures: figures.collect(), origins, fit_seconds, predict_seconds, errors }
+        Self {
+            model,
+            baseline,
+            figures: figures.collect(),
+            origins,
+            fit_seconds: 0.0,
+            predict_seconds: 0.0,
+            unfinished: 0,
+            errors,
+        }
     }
 
     /// The first row is persistence.
@@ -118,7 +145,9 @@ impl HorizonRow {
             let units = row.errors[horizon].units.iter().skip(fold).step_by(folds);
             units.clone().map(|unit| unit.0).sum::<f64>() / units.map(|unit| unit.2).sum::<f64>()
         };
-        let skill = |fold| 100.0 * (1.0 - (mean_square(self, fold) / mean_square(persistence, fold)).sqrt());
+        let skill = |fold| {
+            100.0 * (1.0 - (mean_square(self, fold) / mean_square(persistence, fold)).sqrt())
+        };
         (0..folds).map(skill).collect()
     }
 }
@@ -142,13 +171,24 @@ pub struct HorizonVerdict {
 
 pub(super) fn verdicts(rows: &[HorizonRow], horizons_s: &[f64]) -> Vec<HorizonVerdict> {
     let best = |baseline: bool, horizon: usize| {
-        let rows = rows.iter().filter(|row| row.baseline == baseline && row.figures[horizon].rmse_mps.is_finite());
-        rows.min_by(|a, b| a.figures[horizon].rmse_mps.total_cmp(&b.figures[horizon].rmse_mps))
+        let rows = rows
+            .iter()
+            .filter(|row| row.baseline == baseline && row.figures[horizon].rmse_mps.is_finite());
+        rows.min_by(|a, b| {
+            a.figures[horizon]
+                .rmse_mps
+                .total_cmp(&b.figures[horizon].rmse_mps)
+        })
     };
     let verdict = |(horizon, &horizon_s): (usize, &f64)| {
         let (model, baseline) = (best(false, horizon)?, best(true, horizon)?);
-        let units = model.errors[horizon].units.iter().zip(&baseline.errors[horizon].units);
-        let units = units.filter(|(unit, _)| unit.2 > 0.0).map(|(a, b)| (a.0 - b.0, a.2));
+        let units = model.errors[horizon]
+            .units
+            .iter()
+            .zip(&baseline.errors[horizon].units);
+        let units = units
+            .filter(|(unit, _)| unit.2 > 0.0)
+            .map(|(a, b)| (a.0 - b.0, a.2));
         let interval = RatioInterval::of(units);
         Some(HorizonVerdict {
             horizon_s,

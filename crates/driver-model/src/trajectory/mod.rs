@@ -11,9 +11,10 @@ mod trial;
 mod trip_figures;
 
 pub use course::Course;
-pub use direct::{DirectModel, DirectSettings, SpeedAhead};
+pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead};
 pub use evaluation::{
-    TrajectoryData, TrajectoryEvaluation, TrajectorySettings, TrialResult, TrialTrip, evaluate_trajectory,
+    TrajectoryData, TrajectoryEvaluation, TrajectorySettings, TrialResult, TrialTrip,
+    evaluate_trajectory,
 };
 pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
 pub use kind::DirectKind;

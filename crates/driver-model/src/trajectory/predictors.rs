@@ -7,7 +7,7 @@ use super::Course;
 /// One predictor. Speeds before the first sample count as the first speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Predictor {
+pub(super) enum Predictor {
     /// `v(t)`.
     Speed,
     /// `v(t) − v(t − lag)`.
@@ -90,8 +90,13 @@ pub(super) fn predictors(step_s: f64, limits: bool, slope: bool) -> Vec<Weighted
 
 /// Rows of predictors of a course, one per origin: value `j` of origin `i` at `i·predictors + j`.
 pub(super) fn rows(course: &Course, predictors: &[Predictor], origins: &[usize]) -> Vec<f64> {
-    let columns: Vec<Vec<f64>> = predictors.iter().map(|predictor| predictor.column(course, origins)).collect();
-    (0..origins.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+    let columns: Vec<Vec<f64>> = predictors
+        .iter()
+        .map(|predictor| predictor.column(course, origins))
+        .collect();
+    (0..origins.len())
+        .flat_map(|i| columns.iter().map(move |column| column[i]))
+        .collect()
 }
 
 impl Predictor {
@@ -152,7 +157,12 @@ impl Predictor {
             Self::Slope { seconds } => match &course.slope_rad {
                 Some(slope) => {
                     let moments = Moments::of(slope);
-                    at(&|i| moments.mean(i, ahead(course, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M))))
+                    at(&|i| {
+                        moments.mean(
+                            i,
+                            ahead(course, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M)),
+                        )
+                    })
                 }
                 None => vec![0.0; origins.len()],
             },
@@ -186,7 +196,11 @@ impl Moments {
             sums.push(sum);
             squares.push(square);
         }
-        Self { sums, squares, origin }
+        Self {
+            sums,
+            squares,
+            origin,
+        }
     }
 
     /// Both ends included.
@@ -206,7 +220,10 @@ impl Moments {
 fn running_maximum(values: &[f64], window: usize) -> Vec<f64> {
     let mut candidates = std::collections::VecDeque::new();
     let maximum = values.iter().enumerate().map(|(i, &value)| {
-        while candidates.back().is_some_and(|&k: &usize| values[k] <= value) {
+        while candidates
+            .back()
+            .is_some_and(|&k: &usize| values[k] <= value)
+        {
             candidates.pop_back();
         }
         candidates.push_back(i);
@@ -227,26 +244,43 @@ mod tests {
         for pair in speed_mps.windows(2) {
             distance_m.push(distance_m[distance_m.len() - 1] + 0.5 * (pair[0] + pair[1]));
         }
-        Course { name: "test".to_owned(), step_s: 1.0, limit_mps: None, slope_rad: None, speed_mps, distance_m }
+        Course {
+            name: "test".to_owned(),
+            step_s: 1.0,
+            limit_mps: None,
+            slope_rad: None,
+            speed_mps,
+            distance_m,
+        }
     }
 
     #[test]
     fn windows_are_what_a_slow_loop_finds() {
-        let speeds: Vec<f64> = (0..200).map(|i| 10.0 + 5.0 * f64::from(i * i % 17) / 17.0).collect();
+        let speeds: Vec<f64> = (0..200)
+            .map(|i| 10.0 + 5.0 * f64::from(i * i % 17) / 17.0)
+            .collect();
         let course = course(speeds.clone());
         let origins: Vec<usize> = (0..200).collect();
         let window = |i: usize, n: usize| &speeds[i.saturating_sub(n)..=i];
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        for (i, row) in rows(&course, &[
-            Predictor::Mean { window_s: 60.0 },
-            Predictor::Greatest { window_s: 60.0 },
-            Predictor::Deviation { window_s: 5.0 },
-        ], &origins).chunks_exact(3).enumerate() {
+        for (i, row) in rows(
+            &course,
+            &[
+                Predictor::Mean { window_s: 60.0 },
+                Predictor::Greatest { window_s: 60.0 },
+                Predictor::Deviation { window_s: 5.0 },
+            ],
+            &origins,
+        )
+        .chunks_exact(3)
+        .enumerate()
+        {
             assert!((row[0] - mean(window(i, 60))).abs() < 1e-12);
             let greatest = window(i, 60).iter().copied().fold(0.0, f64::max);
             assert!((row[1] - greatest).abs() < 1e-12);
             let m = mean(window(i, 5));
-            let square = window(i, 5).iter().map(|v| (v - m) * (v - m)).sum::<f64>() / window(i, 5).len() as f64;
+            let square = window(i, 5).iter().map(|v| (v - m) * (v - m)).sum::<f64>()
+                / window(i, 5).len() as f64;
             assert!((row[2] - square.sqrt()).abs() < 1e-9);
         }
     }

@@ -47,7 +47,12 @@ pub struct TrialSettings {
 
 impl Default for TrialSettings {
     fn default() -> Self {
-        Self { window_s: 10.0, past_speeds: 5, max_samples: 16_000, hold_out: 0.25 }
+        Self {
+            window_s: 10.0,
+            past_speeds: 5,
+            max_samples: 16_000,
+            hold_out: 0.25,
+        }
     }
 }
 
@@ -68,7 +73,13 @@ pub struct FittedTrial {
 
 impl Trial {
     /// All five.
-    pub const ALL: [Self; 5] = [Self::Place, Self::Window, Self::Change, Self::Quadratic, Self::Scaled];
+    pub const ALL: [Self; 5] = [
+        Self::Place,
+        Self::Window,
+        Self::Change,
+        Self::Quadratic,
+        Self::Scaled,
+    ];
 
     /// Number in the thesis.
     #[must_use]
@@ -79,9 +90,21 @@ impl Trial {
     fn settings(self) -> Settings {
         let scaled = self == Self::Scaled;
         Settings {
-            kernel: if self == Self::Quadratic { Kernel::Quadratic } else { Kernel::Linear },
-            predictor_scaling: if scaled { Scaling::Range } else { Scaling::Standardize },
-            response_scaling: if scaled { Scaling::Range } else { Scaling::None },
+            kernel: if self == Self::Quadratic {
+                Kernel::Quadratic
+            } else {
+                Kernel::Linear
+            },
+            predictor_scaling: if scaled {
+                Scaling::Range
+            } else {
+                Scaling::Standardize
+            },
+            response_scaling: if scaled {
+                Scaling::Range
+            } else {
+                Scaling::None
+            },
             ..Settings::default()
         }
     }
@@ -102,7 +125,10 @@ impl Trial {
     pub fn fit(self, courses: &[&Course], settings: &TrialSettings) -> Result<FittedTrial, Error> {
         let past = self.past_speeds(settings);
         let (mut rows, mut responses) = (Vec::new(), Vec::new());
-        let total: usize = courses.iter().map(|course| course.len().saturating_sub(past)).sum();
+        let total: usize = courses
+            .iter()
+            .map(|course| course.len().saturating_sub(past))
+            .sum();
         let most = settings.max_samples.max(8);
         let mut seen = 0;
         for course in courses {
@@ -117,16 +143,37 @@ impl Trial {
             }
         }
         if responses.len() < 8 {
-            return Err(Error::TooFewPhases { model: "trial", found: responses.len(), needed: 8, unit: "samples" });
+            return Err(Error::TooFewPhases {
+                model: "trial",
+                found: responses.len(),
+                needed: 8,
+                unit: "samples",
+            });
         }
         let d = rows.len() / responses.len();
         let samples = Samples::new(&rows, d)?;
-        let fit = svr::fit(&samples, &Response::new(&responses)?, &self.settings(), &Penalty::default())?;
+        let fit = svr::fit(
+            &samples,
+            &Response::new(&responses)?,
+            &self.settings(),
+            &Penalty::default(),
+        )?;
         let hold_out_rmse_mps = self.hold_out_rmse(&samples, &responses, settings)?;
-        Ok(FittedTrial { trial: self, settings: *settings, fit, samples: responses.len(), hold_out_rmse_mps })
+        Ok(FittedTrial {
+            trial: self,
+            settings: *settings,
+            fit,
+            samples: responses.len(),
+            hold_out_rmse_mps,
+        })
     }
 
-    fn hold_out_rmse(self, samples: &Samples<'_>, responses: &[f64], settings: &TrialSettings) -> Result<f64, Error> {
+    fn hold_out_rmse(
+        self,
+        samples: &Samples<'_>,
+        responses: &[f64],
+        settings: &TrialSettings,
+    ) -> Result<f64, Error> {
         let d = samples.predictors();
         let fold = svr::hold_out(samples.len(), settings.hold_out, 1)?;
         // Both parts are contiguous.
@@ -134,9 +181,17 @@ impl Trial {
         let from = samples.len() - held;
         let train = Samples::new(&samples.values()[..learnt * d], d)?;
         let test = Samples::new(&samples.values()[from * d..], d)?;
-        let fit = svr::fit(&train, &Response::new(&responses[..learnt])?, &self.settings(), &Penalty::default())?;
+        let fit = svr::fit(
+            &train,
+            &Response::new(&responses[..learnt])?,
+            &self.settings(),
+            &Penalty::default(),
+        )?;
         let predicted = fit.model.predict(&test)?;
-        let squares = predicted.iter().zip(&responses[from..]).map(|(p, y)| (p - y) * (p - y));
+        let squares = predicted
+            .iter()
+            .zip(&responses[from..])
+            .map(|(p, y)| (p - y) * (p - y));
         Ok((squares.sum::<f64>() / held as f64).sqrt())
     }
 
@@ -190,12 +245,18 @@ impl FittedTrial {
     ///
     /// # Errors
     /// [`Error::NoLimits`] for a drive without.
-    pub fn predict_ahead(&self, course: &Course, origins: &[usize], steps: usize) -> Result<Vec<Vec<f64>>, Error> {
+    pub fn predict_ahead(
+        &self,
+        course: &Course,
+        origins: &[usize],
+        steps: usize,
+    ) -> Result<Vec<Vec<f64>>, Error> {
         let limits = Limits::of(course, self.settings.window_s)?;
         let past = self.trial.past_speeds(&self.settings);
         let predictor = self.fit.model.predictor();
         let known = |origin: usize| {
-            let known = (0..past).map(|back| course.speed_mps[origin.saturating_sub(past - 1 - back)]);
+            let known =
+                (0..past).map(|back| course.speed_mps[origin.saturating_sub(past - 1 - back)]);
             known.collect::<Vec<f64>>()
         };
         let mut speeds: Vec<Vec<f64>> = origins.iter().map(|&origin| known(origin)).collect();
@@ -204,7 +265,8 @@ impl FittedTrial {
             rows.clear();
             for (&origin, speeds) in origins.iter().zip(&speeds) {
                 let k = (origin + step).min(course.len() - 1);
-                self.trial.row(&limits, k, &speeds[speeds.len() - past..], &mut rows);
+                self.trial
+                    .row(&limits, k, &speeds[speeds.len() - past..], &mut rows);
             }
             let Ok(samples) = Samples::new(&rows, rows.len() / origins.len().max(1)) else {
                 break;
@@ -233,16 +295,27 @@ struct Limits<'a> {
 
 impl<'a> Limits<'a> {
     fn of(course: &'a Course, window_s: f64) -> Result<Self, Error> {
-        let recorded = course.limit_mps.as_deref().ok_or_else(|| Error::NoLimits { log: course.name.clone() })?;
+        let recorded = course.limit_mps.as_deref().ok_or_else(|| Error::NoLimits {
+            log: course.name.clone(),
+        })?;
         let standing = |(limit, speed): (&f64, &f64)| if *speed > 0.0 { *limit } else { 0.0 };
-        let limit_mps: Vec<f64> = recorded.iter().zip(&course.speed_mps).map(standing).collect();
+        let limit_mps: Vec<f64> = recorded
+            .iter()
+            .zip(&course.speed_mps)
+            .map(standing)
+            .collect();
         let mut runs = Vec::with_capacity(limit_mps.len());
         for run in limit_mps.chunk_by(|a, b| a.to_bits() == b.to_bits()) {
             let start = runs.len();
             runs.extend(std::iter::repeat_n((start, start + run.len()), run.len()));
         }
         let half_window = course.samples_in(0.5 * window_s);
-        Ok(Self { limit_mps, distance_m: &course.distance_m, runs, half_window })
+        Ok(Self {
+            limit_mps,
+            distance_m: &course.distance_m,
+            runs,
+            half_window,
+        })
     }
 
     /// Limit, next and previous different limit, distances to them. Before the first and after the last change these are
@@ -263,7 +336,7 @@ impl<'a> Limits<'a> {
     fn window(&self, k: usize, row: &mut Vec<f64>) {
         let last = self.limit_mps.len() - 1;
         let half = self.half_window;
-        let window = (k + 0..=k + 2 * half).map(|at| at.saturating_sub(half).min(last));
+        let window = (k..=k + 2 * half).map(|at| at.saturating_sub(half).min(last));
         row.extend(window.map(|at| self.limit_mps[at]));
     }
 }

@@ -19,25 +19,36 @@ pub struct TripFigures {
     pub in_band_pct: f64,
     /// Root mean square error of the speed.
     pub rmse_mps: f64,
-    /// How much longer the predicted trip is than the measured one, in the same time.
-    pub distance_error_pct: f64,
+    /// How much longer the predicted trip is than the measured one, in the same time; `None` below 100 m measured.
+    pub distance_error_pct: Option<f64>,
 }
 
 /// Faster than this is no prediction of a road vehicle.
 const FASTEST_MPS: f64 = 100.0;
+
+/// A shorter drive has no distance error worth a name.
+const LEAST_DISTANCE_M: f64 = 100.0;
 
 impl TripFigures {
     /// Compares a prediction with the measured trip; `band_mps` is the full width of the band.
     ///
     /// # Errors
     /// What the vehicle model refuses.
-    pub fn compare(course: &Course, predicted_mps: &[f64], vehicle: &Vehicle, band_mps: f64) -> Result<Self, Error> {
+    pub fn compare(
+        course: &Course,
+        predicted_mps: &[f64],
+        vehicle: &Vehicle,
+        band_mps: f64,
+    ) -> Result<Self, Error> {
         let measured = &course.speed_mps;
         let n = measured.len() as f64;
         let errors = || measured.iter().zip(predicted_mps).map(|(v, p)| p - v);
         let square_sum: f64 = errors().map(|e| e * e).sum();
         let accel = |speeds: &[f64]| -> Vec<f64> {
-            speeds.windows(2).map(|pair| (pair[1] - pair[0]) / course.step_s).collect()
+            speeds
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]) / course.step_s)
+                .collect()
         };
         let accel_square_sum: f64 = accel(measured)
             .iter()
@@ -46,15 +57,19 @@ impl TripFigures {
             .sum();
         let inside = errors().filter(|e| e.abs() <= 0.5 * band_mps).count();
         let possible = predicted_mps.iter().all(|v| v.abs() <= FASTEST_MPS);
-        let sum = |speeds: &[f64]| speeds.iter().sum::<f64>();
+        let distance_m = |speeds: &[f64]| speeds.iter().sum::<f64>() * course.step_s;
+        let moved = distance_m(measured) >= LEAST_DISTANCE_M;
         Ok(Self {
             measured_energy_j: energy_j(course, measured, vehicle)?,
-            energy_j: possible.then(|| energy_j(course, predicted_mps, vehicle)).transpose()?,
+            energy_j: possible
+                .then(|| energy_j(course, predicted_mps, vehicle))
+                .transpose()?,
             sqrt_sse_speed_mps: square_sum.sqrt() / n,
             sqrt_sse_accel_mps2: accel_square_sum.sqrt() / n,
             in_band_pct: 100.0 * inside as f64 / n,
             rmse_mps: (square_sum / n).sqrt(),
-            distance_error_pct: 100.0 * (sum(predicted_mps) / sum(measured) - 1.0),
+            distance_error_pct: moved
+                .then(|| 100.0 * (distance_m(predicted_mps) / distance_m(measured) - 1.0)),
         })
     }
 }
@@ -91,17 +106,17 @@ pub struct TripSummary {
     /// Root mean square error of the speed.
     pub rmse_mps: f64,
     /// Mean magnitude of the error of the distance.
-    pub abs_distance_error_pct: f64,
+    pub abs_distance_error_pct: Option<f64>,
 }
 
 impl TripSummary {
     /// Of the figures of trips; `None` without any.
-    pub(super) fn of<'a>(figures: impl Iterator<Item = &'a TripFigures> + Clone) -> Option<Self> {
-        let mean_of = |of: fn(&TripFigures) -> f64| mean(figures.clone().map(of));
-        let measured_energy_j = figures.clone().map(|f| f.measured_energy_j).sum();
-        let energy_j: Option<f64> = figures.clone().map(|f| f.energy_j).sum();
+    pub(super) fn of(figures: &[&TripFigures]) -> Option<Self> {
+        let mean_of = |of: fn(&TripFigures) -> f64| mean(figures.iter().map(|figures| of(figures)));
+        let measured_energy_j = figures.iter().map(|f| f.measured_energy_j).sum();
+        let energy_j: Option<f64> = figures.iter().map(|f| f.energy_j).sum();
         Some(Self {
-            trips: figures.clone().count(),
+            trips: figures.len(),
             measured_energy_j,
             energy_j,
             energy_difference_j: energy_j.map(|energy_j| measured_energy_j - energy_j),
@@ -109,7 +124,12 @@ impl TripSummary {
             sqrt_sse_accel_mps2: mean_of(|f| f.sqrt_sse_accel_mps2)?,
             in_band_pct: mean_of(|f| f.in_band_pct)?,
             rmse_mps: mean_of(|f| f.rmse_mps)?,
-            abs_distance_error_pct: mean_of(|f| f.distance_error_pct.abs())?,
+            abs_distance_error_pct: mean(
+                figures
+                    .clone()
+                    .filter_map(|f| f.distance_error_pct)
+                    .map(f64::abs),
+            ),
         })
     }
 }

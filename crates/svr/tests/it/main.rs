@@ -1,3 +1,17 @@
 //! Integration tests of support vector regression.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stdout,
+    missing_docs
+)]
 
+mod degenerate;
+mod equivalence;
+mod model_file;
+mod optimality;
+mod problem;
 mod reference;
+mod search;

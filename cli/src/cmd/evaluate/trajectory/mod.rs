@@ -8,13 +8,13 @@ use anyhow::bail;
 use clap::Args;
 use driver_model::FreeRunSettings;
 use driver_model::trajectory::{
-    Course, DirectKind, DirectSettings, TrajectoryData, TrajectorySettings, evaluate_trajectory,
+    DirectKind, DirectSettings, TrajectoryData, TrajectorySettings, evaluate_trajectory,
 };
 use ev_energy::Vehicle;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{EvaluateArgs, EvaluatedModel};
+use crate::cmd::courses::courses;
 use crate::flags::{Context, Format};
 use crate::inputs::Input;
 use crate::output;
@@ -127,28 +127,7 @@ impl EvaluateArgs {
         inputs: &[Input],
         context: &Context,
     ) -> anyhow::Result<TrajectoryData> {
-        let bandwidth_m = self.phases.settings().slope_bandwidth_m;
-        let of_input = |input: &Input| -> anyhow::Result<Vec<Course>> {
-            if input.drive.step_s > 1.5 * input.drive.pieces[0].step_s() {
-                output::note(
-                    context,
-                    &format!(
-                        "{}: recorded every {} s and resampled finer, so that the past holds something of the future; give --step {}",
-                        input.path, input.drive.step_s, input.drive.step_s,
-                    ),
-                );
-            }
-            let courses = input
-                .drive
-                .pieces
-                .iter()
-                .map(|log| Course::of_log(log, bandwidth_m));
-            Ok(courses.collect::<Result<_, _>>()?)
-        };
-        let courses: Vec<Vec<Course>> = inputs
-            .par_iter()
-            .map(of_input)
-            .collect::<anyhow::Result<_>>()?;
+        let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
         Ok(TrajectoryData::new(courses, &self.units(inputs)))
     }
 

@@ -3,34 +3,48 @@
 use std::path::Path;
 
 /// Samples of 101 speed limits in a window of 10 s and 5 past speeds, and the next change of speed.
-pub struct Task {
-    pub predictors: Vec<f64>,
-    pub response: Vec<f64>,
+pub(crate) struct Task {
+    pub(crate) predictors: Vec<f64>,
+    pub(crate) response: Vec<f64>,
 }
 
-pub const PREDICTORS: usize = 106;
+pub(crate) const PREDICTORS: usize = 106;
 const HALF_WINDOW: usize = 50;
 const PAST: usize = 5;
 
 impl Task {
-    /// The first `samples` of the drives.
-    pub fn load(samples: usize) -> Self {
+    /// The first `samples` of the drives; of the drives that have them, no more is read.
+    pub(crate) fn load(samples: usize) -> Self {
+        let task = Self::load_up_to(samples);
+        assert!(
+            task.response.len() == samples,
+            "the drives have {} samples",
+            task.response.len()
+        );
+        task
+    }
+
+    /// As [`Self::load`], or as many as there are.
+    pub(crate) fn load_up_to(samples: usize) -> Self {
+        // The crate and the rivals, which are a package of their own further down, have the drives above them.
+        let above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+        let folder = above
+            .map(|folder| folder.join("fixtures/drives"))
+            .find(|folder| folder.is_dir())
+            .expect("the simulated drives");
         let mut task = Self {
             predictors: Vec::new(),
             response: Vec::new(),
         };
         for drive in 1..=12 {
-            let name = format!("../../fixtures/drives/drive-{drive:02}.csv");
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
-            task.add(&std::fs::read_to_string(path).expect("a simulated drive"));
+            if task.response.len() < samples {
+                let path = folder.join(format!("drive-{drive:02}.csv"));
+                task.add(&std::fs::read_to_string(path).expect("a simulated drive"));
+            }
         }
-        assert!(
-            task.response.len() >= samples,
-            "the drives have {} samples",
-            task.response.len()
-        );
         task.response.truncate(samples);
-        task.predictors.truncate(samples * PREDICTORS);
+        task.predictors.truncate(task.response.len() * PREDICTORS);
+        task.predictors.shrink_to_fit();
         task
     }
 

@@ -1,5 +1,9 @@
+mod ahead;
+mod trip;
+
 use std::path::PathBuf;
 
+use anyhow::bail;
 use clap::Args;
 use driver_model::{
     CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors, FollowingModel,
@@ -7,6 +11,7 @@ use driver_model::{
 };
 use serde::Serialize;
 
+use super::courses::courses;
 use super::phases::{PhaseArgs, width_kmh};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -15,7 +20,10 @@ use crate::output;
 use crate::render::json::{Document, Logs};
 use crate::render::table::{Table, number};
 
-/// Predict the phases of logs with a fitted model
+/// Predict the phases, the speed ahead or whole trips of logs with a fitted model
+///
+/// Of a model of the speed ahead: the speed some seconds ahead of every second of the logs, with its interval. Of a trip driver: every
+/// drive from its road (limits, slope, stops) alone.
 ///
 /// Phases or stretches of whatever the model was fitted to. Acceleration and braking phases are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
 /// speed where it takes one) and its prediction is compared with the measured speed.
@@ -23,6 +31,7 @@ use crate::render::table::{Table, number};
 #[command(after_help = "\
 Examples:
   drivekit predict drive.csv --model driver.json
+  drivekit predict drive.csv --model ahead.json --horizon 5     from `drivekit fit --model svr-rbf`
   drivekit predict logs/ --model driver.json --format json > predicted.json")]
 pub(crate) struct PredictArgs {
     #[command(flatten)]
@@ -37,12 +46,25 @@ pub(crate) struct PredictArgs {
     /// Full width of the band around the measured speed, in km/h
     #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
     band: f64,
+    /// Seconds ahead, comma separated [default: all of the model]
+    #[arg(long, value_delimiter = ',', value_name = "S")]
+    horizon: Vec<f64>,
 }
 
 pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outcome> {
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
-    let trips = args.phases.trips(&inputs, context)?;
+    let bandwidth_m = args.phases.settings().slope_bandwidth_m;
+    if !args.horizon.is_empty() && !matches!(file.model, FittedModel::SpeedAhead(_)) {
+        bail!(
+            "--horizon: `{}` is no model of the speed ahead",
+            file.model.name()
+        );
+    }
+    let trips = match file.model {
+        FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => Vec::new(),
+        _ => args.phases.trips(&inputs, context)?,
+    };
     let (document, text) = match &file.model {
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
             let kind = match file.model {
@@ -66,6 +88,18 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
                 .map(|trip| Entry::of_following(trip, model))
                 .collect();
             (serde_json::to_value(&logs)?, following_table(&logs))
+        }
+        FittedModel::SpeedAhead(model) => {
+            let courses: Vec<_> = courses(&inputs, bandwidth_m, context)?
+                .into_iter()
+                .flatten()
+                .collect();
+            let logs = ahead::predict(&courses, model, &args.horizon)?;
+            (serde_json::to_value(&logs)?, ahead::table(&logs))
+        }
+        FittedModel::Trip(driver) => {
+            let logs = trip::predict(&inputs, driver, bandwidth_m)?;
+            (serde_json::to_value(&logs)?, trip::table(&logs))
         }
     };
     match context.format {

@@ -1,0 +1,261 @@
+// ---------------------------------------------------------------- figures 4.4 to 4.11
+
+const MEASURED = { name: 'measured', colour: '--measured', width: 1.75 };
+const PREDICTED = { name: 'predicted', colour: '--accent', width: 1.5 };
+const LIMIT = { name: 'limit', colour: '--series-4', width: 1.25 };
+const PART_S = 300;
+const MINUTES_FROM_S = 240;
+/** How far a prediction may lead the axis away, and what the axis is when one goes further; in measured ranges. */
+const REACH = { low: -1, high: 2 };
+const CUT = { low: -0.25, high: 1.4 };
+const WINDOW = { halfS: 5, besideS: 3, height: 190, most: 420 };
+
+function readDrive(source) {
+  const raw = object(source);
+  const speed = Float64Array.from(list(raw.speed_mps), kmh);
+  const recorded = list(raw.limit_mps).length === speed.length ? Float64Array.from(raw.limit_mps, kmh) : null;
+  // As the trials see it.
+  const limit = recorded?.map((value, index) => (speed[index] > 0 ? value : 0)) ?? null;
+  const stepS = number(raw.step_s);
+  return { name: text(raw.name), stepS, speed, limit, durationS: (speed.length - 1) * stepS };
+}
+
+const isDrawable = ({ speed, stepS }) => speed.length > 1 && stepS > 0;
+
+/** At most two points a pixel: the least and the most of each stretch. Where nothing is known there is a gap. */
+function thinned(places, values, width) {
+  const stride = Math.max(1, Math.floor(values.length / Math.max(2 * width, 1)));
+  const points = [];
+  for (let start = 0; start < values.length; start += stride) {
+    let [least, most] = [-1, -1];
+    for (let i = start; i < Math.min(start + stride, values.length); i += 1) {
+      if (Number.isNaN(values[i])) continue;
+      if (least < 0 || values[i] < values[least]) least = i;
+      if (most < 0 || values[i] > values[most]) most = i;
+    }
+    if (least < 0) points.push([NaN, NaN]);
+    else for (const i of new Set(least < most ? [least, most] : [most, least])) points.push([places[i], values[i]]);
+  }
+  return points;
+}
+
+function extent(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return { low, high };
+}
+
+/** The axis of speed: from 0 to the fastest, and as far as a prediction goes that has not run away. */
+function speedAxis(measured, predicted) {
+  const top = Math.max(...measured.filter((values) => values.length > 0).map((values) => extent(values).high)) || 1;
+  const reached = extent(predicted);
+  const astray = reached.low < REACH.low * top || reached.high > REACH.high * top;
+  const low = astray ? CUT.low * top : Math.min(0, reached.low);
+  return { low, high: astray ? CUT.high * top : 1.05 * Math.max(top, reached.high), unit: 'km/h' };
+}
+
+/** Some lines over places that they share or have of their own; the values beyond the axis lie at its edge. */
+function speedPicture({ label, lines, x, y, told }, width) {
+  const frame = chartFrame(width, Math.max(220, Math.round(width * 0.3)), x, y);
+  const inside = (value) => Math.min(Math.max(value, y.low), y.high);
+  const nodes = lines.map((line) => {
+    const points = thinned(line.places, line.values, frame.box.right - frame.box.left);
+    return lineNode(points.map(([at, value]) => [at, inside(value)]), frame, line);
+  });
+  return hoverable(frame, picture(frame, label, [...frame.axes, ...nodes]), told);
+}
+
+const lineLegend = (lines) => legendOf(lines.map(({ name, colour, kind }) => [strokeSample(colour, kind), name]));
+
+/** Speeds over the time of a drive, between the seconds of `view`. */
+function timeFigure(drive, { title, caption, lines, y, digits = 1 }, view, width) {
+  const from = Math.max(0, Math.round(view.from / drive.stepS));
+  const to = Math.min(drive.speed.length, Math.round(view.to / drive.stepS) + 1);
+  const inMinutes = view.to - view.from > MINUTES_FROM_S;
+  const unit = inMinutes ? 60 : 1;
+  const places = Float64Array.from({ length: Math.max(to - from, 0) }, (_, index) => ((from + index) * drive.stepS) / unit);
+  const x = { low: view.from / unit, high: view.to / unit, unit: inMinutes ? 'min' : 's' };
+  const shown = lines.map((line) => ({ ...line, places, values: line.values.subarray(from, to) }));
+  const told = (at) => {
+    const index = Math.round((at * unit) / drive.stepS);
+    if (!(index >= 0 && index < drive.speed.length)) return null;
+    const row = ({ name, values }) => `${name} ${quantity(values[index], digits, y.unit)}`;
+    return [clock(index * drive.stepS), lines.map(row)];
+  };
+  return [speedPicture({ label: `${title}. ${caption}`, lines: shown, x, y, told }, width), lineLegend(lines)];
+}
+
+// ---------------------------------------------------------------- predictions
+
+const TRIALS = {
+  1: { figure: '4.5', name: 'limit, next and last other limit, and the distances to them' },
+  2: { figure: '4.7', name: 'window of limits and last speed' },
+  3: { figure: '4.8', name: 'change of speed from the window of limits and past speeds' },
+  4: { figure: '4.9', name: 'as trial 3 with a quadratic kernel' },
+  5: { figure: '4.11', name: 'as trial 3, all scaled to −1 to 1' },
+};
+
+/** How far the prediction is off, and what of it cannot be seen. */
+function predictionCaption({ speed, stepS }, predicted, y) {
+  let [squares, count, outside, lost] = [0, 0, 0, 0];
+  predicted.forEach((value, index) => {
+    if (Number.isNaN(value)) lost += 1;
+    else {
+      count += 1;
+      squares += (value - speed[index]) ** 2;
+      if (value < y.low || value > y.high) outside += 1;
+    }
+  });
+  const words = count > 0 ? [`RMSE on this drive ${quantity(Math.sqrt(squares / count), 1, 'km/h')}.`] : [];
+  const far = quantity(outside * stepS, outside * stepS < 10 ? 1 : 0, 's');
+  if (outside > 0) words.push(`For ${far} the prediction lies beyond the axis and is drawn at its edge.`);
+  if (lost > 0) words.push(`For ${quantity(lost * stepS, 0, 's')} there is none: the recursion ran away beyond all numbers.`);
+  return words.join(' ');
+}
+
+function predictionSpec(drive, number, predicted) {
+  const { figure, name } = TRIALS[number];
+  const y = speedAxis([drive.speed, drive.limit ?? []], predicted);
+  const lines = [
+    ...(drive.limit ? [{ ...LIMIT, values: drive.limit }] : []),
+    { ...MEASURED, values: drive.speed },
+    { ...PREDICTED, values: predicted },
+  ];
+  const caption = `${drive.name}. ${predictionCaption(drive, predicted, y)}`;
+  return { figure, title: `Figure ${figure}: trial ${number}, ${name}`, caption, lines, y, drive, moves: true };
+}
+
+// ---------------------------------------------------------------- the drive learnt from
+
+function learntSpecs(drive) {
+  const limit = drive.limit;
+  const known = [...(limit ? [{ ...LIMIT, values: limit }] : []), { ...MEASURED, values: drive.speed }];
+  const scaled = (values) => {
+    const { low, high } = extent(values);
+    return values.map((value) => (high > low ? (2 * (value - low)) / (high - low) - 1 : 0));
+  };
+  const zero = limit ? ' The limit is drawn as the trials see it, 0 where the car stands.' : ' It has no limits.';
+  return [
+    {
+      figure: '4.4',
+      title: 'Figure 4.4: a trajectory learnt from',
+      caption: `${drive.name}, ${quantity(drive.speed.length, 0, 'samples')} of ${quantity(drive.stepS, 1, 's')}.${zero}`,
+      lines: known,
+      y: speedAxis([drive.speed, limit ?? []], []),
+      drive,
+    },
+    {
+      figure: '4.10',
+      title: 'Figure 4.10: the same, scaled to −1 to 1',
+      caption: 'Here by the least and the greatest of this drive; trial 5 takes those of all drives that it learns from.',
+      lines: known.map((line) => ({ ...line, values: scaled(line.values) })),
+      y: { low: -1.1, high: 1.1, unit: 'scaled' },
+      digits: 2,
+      drive,
+    },
+  ];
+}
+
+// ---------------------------------------------------------------- windows of limits
+
+/** Moments before, at and after one change of the limit and one standstill, or two of a kind. */
+function windowMoments({ limit, stepS, speed }) {
+  const half = Math.round(WINDOW.halfS / stepS);
+  const beside = Math.round(WINDOW.besideS / stepS);
+  const changes = [];
+  for (let k = 2 * half; k < limit.length - 2 * half; k += 1) {
+    if (limit[k] !== limit[k - 1]) changes.push({ at: k, stands: Math.min(limit[k], limit[k - 1]) === 0, size: Math.abs(limit[k] - limit[k - 1]) });
+  }
+  // Those of the limit itself, the largest first, and then where the car comes to stand.
+  const moving = sortRows(changes.filter(({ stands }) => !stands), ({ size }) => size, true);
+  const halts = changes.filter(({ at, stands }) => stands && limit[at] === 0);
+  const chosen = [...moving.slice(0, halts.length > 0 ? 1 : 2), ...halts.slice(0, moving.length > 0 ? 1 : 2)];
+  return chosen.flatMap(({ at, stands }) =>
+    [-beside, 0, beside].map((shift) => ({ at: at + shift, shift: shift * stepS, stands, half, speed: speed[at + shift] })),
+  );
+}
+
+function windowTitle({ shift, stands }) {
+  const what = stands ? 'the stop' : 'the change';
+  if (shift === 0) return `at ${what}`;
+  return `${quantity(Math.abs(shift), 0, 's')} ${shift < 0 ? 'before' : 'after'} ${what}`;
+}
+
+function windowPicture({ limit, stepS }, moment, y, width) {
+  const frame = chartFrame(width, WINDOW.height, { low: -WINDOW.halfS, high: WINDOW.halfS, unit: 's from now' }, y);
+  const held = Array.from({ length: 2 * moment.half + 1 }, (_, index) => Math.min(Math.max(moment.at + index - moment.half, 0), limit.length - 1));
+  const steps = held.flatMap((at, index) => {
+    const time = (index - moment.half) * stepS;
+    return index === 0 ? [[time, limit[at]]] : [[time, limit[held[index - 1]]], [time, limit[at]]];
+  });
+  const title = `${clock(moment.at * stepS)}, ${windowTitle(moment)}`;
+  const levels = [...new Set(held.map((at) => fixed(limit[at], 0)))].join(', then ');
+  const label = `Window of limits at ${title}: ${levels} km/h; the speed is ${fixed(moment.speed, 0)} km/h.`;
+  return picture(frame, label, [
+    ...frame.axes,
+    svg('text', { class: 'name', x: frame.box.right, y: 14, 'text-anchor': 'end' }, title),
+    lineNode(steps, frame, { ...LIMIT, width: 2.5 }),
+    markerNode('circle', [[frame.x(0), frame.y(Math.max(moment.speed, 0))]], 4, MEASURED.colour),
+  ]);
+}
+
+function windowFigure(drive) {
+  const moments = windowMoments(drive);
+  const count = 2 * Math.round(WINDOW.halfS / drive.stepS) + 1;
+  const y = speedAxis([drive.limit, drive.speed], []);
+  const panels = moments.map(() => el('div'));
+  const dot = swatch(MEASURED.colour);
+  dot.style.borderRadius = '50%';
+  const caption = `${drive.name}. What trials 2 to 5 know of the limits: ${fixed(count, 0)} values of 10\u00a0s, half of them of what is still to come. Where the car will stand in 5\u00a0s, the window says so.`;
+  const body =
+    moments.length > 0
+      ? [el('div', { class: 'panels' }, ...panels), legendOf([[strokeSample(LIMIT.colour), 'limit'], [dot, 'speed now']]), el('figcaption', {}, caption)]
+      : [note('The limit of this drive never changes.')];
+  const node = el('figure', {}, el('h3', {}, 'Figure 4.6: the window of limits'), ...body);
+  const draw = () => panels.forEach((panel, index) => panel.replaceChildren(windowPicture(drive, moments[index], y, chartWidth(panel, WINDOW.most))));
+  return { figure: '4.6', node, draw };
+}
+
+// ---------------------------------------------------------------- the section
+
+/** The whole of a drive, or five minutes of it. */
+function partsOf({ durationS }) {
+  const count = durationS > 1.5 * PART_S ? Math.ceil(durationS / PART_S) : 0;
+  const part = (_, index) => {
+    const [from, to] = [index * PART_S, Math.min((index + 1) * PART_S, durationS)];
+    return { label: `minutes ${fixed(from / 60, 0)} to ${fixed(to / 60, to % 60 === 0 ? 0 : 1)}`, from, to };
+  };
+  const parts = Array.from({ length: count }, part).filter(({ from, to }) => to - from >= 30);
+  return [{ label: 'all of it', from: 0, to: durationS }, ...parts];
+}
+
+function figureSection({ trials, curves }) {
+  if (trials.length === 0) return absent('figures', 'Some drive has no limits, so that there are no trials to draw.');
+  const { shown, learnt, predicted } = curves;
+  const known = isDrawable(shown) ? predicted.filter((one) => TRIALS[one.trial] && one.speed.length === shown.speed.length) : [];
+  const parts = partsOf(shown);
+  let view = parts[0];
+  const timed = [...(isDrawable(learnt) ? learntSpecs(learnt) : []), ...known.map(({ trial, speed }) => predictionSpec(shown, trial, speed))];
+  const figures = timed.map((spec) => {
+    const body = el('div');
+    const node = el('figure', {}, el('h3', {}, spec.title), body, el('figcaption', {}, spec.caption));
+    const all = { from: 0, to: spec.drive.durationS };
+    return { ...spec, node, draw: () => body.replaceChildren(...timeFigure(spec.drive, spec, spec.moves ? view : all, chartWidth(body, 1200))) };
+  });
+  if (isDrawable(shown) && shown.limit) figures.push(windowFigure(shown));
+  if (figures.length === 0) return absent('figures', 'The document has no drives to draw (curves).');
+  const pick = (part) => {
+    view = part;
+    figures.filter(({ moves }) => moves).forEach(({ draw }) => draw());
+  };
+  const controls = parts.length > 1 && known.length > 0 ? [picklist('Part of the predicted drive', [['Time', parts]], pick)] : [];
+  byId('figures-remark').append(
+    'One drive that trials learnt from, and another, the longest, as each trial predicts it from its limits; the trial shown was fitted on other drives than that.',
+  );
+  const numbered = sortRows(figures, ({ figure }) => Number(figure.split('.')[1]), false);
+  byId('figures-body').append(...controls, ...numbered.map(({ node }) => node));
+  return () => figures.forEach(({ draw }) => draw());
+}
