@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const ALLOWED: [(&str, &[&str]); 5] = [
+const ALLOWED: [(&str, &[&str]); 6] = [
     ("drive-log", &[]),
     ("tseg", &[]),
     ("ev-energy", &[]),
-    ("driver-model", &["drive-log", "ev-energy", "tseg"]),
+    ("svr", &[]),
+    ("driver-model", &["drive-log", "ev-energy", "svr", "tseg"]),
     (
         "drivekit",
-        &["drive-log", "driver-model", "ev-energy", "tseg"],
+        &["drive-log", "driver-model", "ev-energy", "svr", "tseg"],
     ),
 ];
 

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::program::{drivekit_in, fixture};
 
 /// The name of a page, the least number of its figures, and the arguments that make it; `drives/` is that of the fixtures.
-const PAGES: [(&str, usize, &str); 5] = [
+const PAGES: [(&str, usize, &str); 6] = [
     (
         "evaluate",
         18,
@@ -38,6 +38,11 @@ const PAGES: [(&str, usize, &str); 5] = [
         "portrait",
         5,
         "portrait drives/drive-01.csv drives/drive-02.csv --fleet drives/drive-03.csv",
+    ),
+    (
+        "trajectory",
+        11,
+        "evaluate --task trajectory drives/drive-01.csv drives/drive-02.csv drives/drive-03.csv --models svr-linear --horizons 1,2,5 --max-samples 500",
     ),
 ];
 const OPTIONS: [&str; 14] = [

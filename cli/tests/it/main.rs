@@ -23,3 +23,4 @@ mod portrait;
 mod program;
 mod segment;
 mod synth;
+mod trajectory;

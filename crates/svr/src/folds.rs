@@ -95,6 +95,7 @@ fn around(samples: usize, test: Range<usize>, gap: usize) -> Result<Fold, Error>
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::*;
 

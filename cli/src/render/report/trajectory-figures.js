@@ -8,14 +8,16 @@ const MINUTES_FROM_S = 240;
 /** How far a prediction may lead the axis away, and what the axis is when one goes further; in measured ranges. */
 const REACH = { low: -1, high: 2 };
 const CUT = { low: -0.25, high: 1.4 };
+const MEANT_KMH = 1000;
 const WINDOW = { halfS: 5, besideS: 3, height: 190, most: 420 };
 
 function readDrive(source) {
   const raw = object(source);
   const speed = Float64Array.from(list(raw.speed_mps), kmh);
-  const recorded = list(raw.limit_mps).length === speed.length ? Float64Array.from(raw.limit_mps, kmh) : null;
+  const recorded = list(raw.limit_mps).map(kmh);
+  const isKnown = recorded.length > 0 && recorded.length === speed.length;
   // As the trials see it.
-  const limit = recorded?.map((value, index) => (speed[index] > 0 ? value : 0)) ?? null;
+  const limit = isKnown ? Float64Array.from(recorded, (value, index) => (speed[index] > 0 ? value : 0)) : null;
   const stepS = number(raw.step_s);
   return { name: text(raw.name), stepS, speed, limit, durationS: (speed.length - 1) * stepS };
 }
@@ -91,7 +93,7 @@ function timeFigure(drive, { title, caption, lines, y, digits = 1 }, view, width
 // ---------------------------------------------------------------- predictions
 
 const TRIALS = {
-  1: { figure: '4.5', name: 'limit, next and last other limit, and the distances to them' },
+  1: { figure: '4.5', name: 'limit, next and last other limit, distances to them' },
   2: { figure: '4.7', name: 'window of limits and last speed' },
   3: { figure: '4.8', name: 'change of speed from the window of limits and past speeds' },
   4: { figure: '4.9', name: 'as trial 3 with a quadratic kernel' },
@@ -109,23 +111,25 @@ function predictionCaption({ speed, stepS }, predicted, y) {
       if (value < y.low || value > y.high) outside += 1;
     }
   });
-  const words = count > 0 ? [`RMSE on this drive ${quantity(Math.sqrt(squares / count), 1, 'km/h')}.`] : [];
+  const rmse = Math.sqrt(squares / count);
+  const words = rmse < MEANT_KMH ? [`RMSE on this drive ${quantity(rmse, 1, 'km/h')}.`] : [];
   const far = quantity(outside * stepS, outside * stepS < 10 ? 1 : 0, 's');
   if (outside > 0) words.push(`For ${far} the prediction lies beyond the axis and is drawn at its edge.`);
   if (lost > 0) words.push(`For ${quantity(lost * stepS, 0, 's')} there is none: the recursion ran away beyond all numbers.`);
   return words.join(' ');
 }
 
-function predictionSpec(drive, number, predicted) {
-  const { figure, name } = TRIALS[number];
+function predictionSpec(drive, trial, predicted) {
+  const { figure, name } = TRIALS[trial];
   const y = speedAxis([drive.speed, drive.limit ?? []], predicted);
+  // What ran away must not hide the rest.
   const lines = [
+    { ...PREDICTED, values: predicted },
     ...(drive.limit ? [{ ...LIMIT, values: drive.limit }] : []),
     { ...MEASURED, values: drive.speed },
-    { ...PREDICTED, values: predicted },
   ];
   const caption = `${drive.name}. ${predictionCaption(drive, predicted, y)}`;
-  return { figure, title: `Figure ${figure}: trial ${number}, ${name}`, caption, lines, y, drive, moves: true };
+  return { figure, title: `Figure ${figure}: trial ${trial} (${name})`, caption, lines, y, drive, moves: true };
 }
 
 // ---------------------------------------------------------------- the drive learnt from
@@ -149,7 +153,7 @@ function learntSpecs(drive) {
     },
     {
       figure: '4.10',
-      title: 'Figure 4.10: the same, scaled to −1 to 1',
+      title: 'Figure 4.10: the trajectory of figure 4.4, scaled to −1 to 1',
       caption: 'Here by the least and the greatest of this drive; trial 5 takes those of all drives that it learns from.',
       lines: known.map((line) => ({ ...line, values: scaled(line.values) })),
       y: { low: -1.1, high: 1.1, unit: 'scaled' },
@@ -251,7 +255,10 @@ function figureSection({ trials, curves }) {
     view = part;
     figures.filter(({ moves }) => moves).forEach(({ draw }) => draw());
   };
-  const controls = parts.length > 1 && known.length > 0 ? [picklist('Part of the predicted drive', [['Time', parts]], pick)] : [];
+  const controls =
+    parts.length > 1 && known.length > 0
+      ? [el('div', { class: 'controls' }, picklist('Part of the predicted drive', [['Time', parts]], pick))]
+      : [];
   byId('figures-remark').append(
     'One drive that trials learnt from, and another, the longest, as each trial predicts it from its limits; the trial shown was fitted on other drives than that.',
   );

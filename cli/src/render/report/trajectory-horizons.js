@@ -6,7 +6,7 @@ const AHEAD = { most: 900, radius: 3.5, beyond: 1.3 };
 const PERSISTENCE = 'persistence';
 
 const isTrial = (name) => /^trial-\d+$/.test(name);
-const seconds = (horizon) => quantity(horizon, stepDigits(niceStep(horizon, 1)), 's');
+const seconds = (horizon) => `${horizon}\u00a0s`;
 
 /** Models, trials and baselines, each with its figures in the order of the horizons, and how it is drawn. */
 function readHorizons(doc) {

@@ -65,7 +65,7 @@ function trialTable({ trials, bandKmh }) {
     { label: 'In the band', unit: `${fixed(bandKmh, 1)} km/h wide, %`, value: ({ in_band_pct }) => number(in_band_pct), digits: 1 },
     { label: 'RMSE', unit: 'km/h', value: ({ rmse_mps }) => kmh(rmse_mps), digits: 2 },
     { label: 'Distance', unit: 'off by, %', value: ({ abs_distance_error_pct }) => number(abs_distance_error_pct), digits: 1 },
-    { label: 'Predicts', value: ({ trial }) => member(TRIALS, trial)?.name ?? '', wraps: true },
+    { label: 'Model', value: ({ trial }) => member(TRIALS, trial)?.name ?? '', wraps: true },
   ];
   return sortableTable('Table 4.1', columns, trials);
 }
@@ -97,17 +97,18 @@ function solvedTable(trials) {
 }
 
 function trialSection(report) {
-  const { trials, freeRun } = report;
+  const { trials } = report;
   byId('solved').hidden = trials.length === 0;
   if (trials.length === 0) return absent('trials', 'Some drive has no limits, so that the trials of the thesis are left out.');
   const [{ measured_energy_j: measuredJ, trips }] = trials;
+  const count = list(trips).length;
   const words = [
-    `Measured: ${quantity(megajoules(measuredJ), 3, 'MJ')} on ${plural(number(trips), 'drive')}; E is the sum over them, ΔE measured less predicted.`,
+    `Measured: ${quantity(megajoules(measuredJ), 3, 'MJ')} on ${plural(count, 'drive')}; E is the sum over them, ΔE measured less predicted.`,
     'The other columns are means over drives. The band lies around the measured speed.',
   ];
   byId('trials-body').append(trialTable(report), note(words.join(' ')));
   byId('solved-body').append(solvedTable(trials));
-  return () => freeRun;
+  return () => {};
 }
 
 // ---------------------------------------------------------------- free run
@@ -171,7 +172,14 @@ function speedAt(places, speeds, at) {
   return linear(places[above - 1], places[above], speeds[above - 1], speeds[above])(at);
 }
 
-function freeRunFigure(run, { title, places, unit, where }) {
+/** The trip of the pictures in the first row of the table. */
+function freeRunCaption(run, { rows }) {
+  const trip = rows[0].trips.find(({ log }) => log === run.name);
+  const off = trip ? ` Distance off by ${signed(number(trip.distance_error_pct), 1)}\u00a0%, energy by ${signed(number(trip.energy_error_pct), 1)}\u00a0%.` : '';
+  return `${run.name}, the road known with limits and stops.${off}`;
+}
+
+function freeRunFigure(run, freeRun, { title, places, unit, where }) {
   const lines = [
     { ...MEASURED, values: run.measured.speed, places: places(run.measured) },
     { ...PREDICTED, values: run.predicted.speed, places: places(run.predicted) },
@@ -184,11 +192,15 @@ function freeRunFigure(run, { title, places, unit, where }) {
   };
   const label = `${title} of ${run.name}, measured and predicted.`;
   const body = el('div');
-  const node = el('figure', {}, el('h3', {}, title), body, lineLegend(lines), el('figcaption', {}, `${run.name}; the road knows limits and stops.`));
+  const node = el('figure', {}, el('h3', {}, title), body, lineLegend(lines), el('figcaption', {}, freeRunCaption(run, freeRun)));
   return { node, draw: () => body.replaceChildren(speedPicture({ label, lines, x, y, told }, chartWidth(body))) };
 }
 
 function freeRunSection({ freeRun, curves }) {
+  const holders = ['free-run-figures', 'free-run-trips'].map(byId);
+  holders.forEach((node) => {
+    node.hidden = freeRun === null;
+  });
   if (freeRun === null) return absent('free-run', 'Too few drives have limits and are long enough for a free run.');
   const remark = 'Predicted less measured. Distance and energy at equal time, up to 15\u00a0min; “mean” keeps the signs, “magnitude” does not.';
   const leftOut = freeRun.leftOut.map(([log, reason]) => note(`${log} is left out: ${reason}.`));
@@ -198,8 +210,9 @@ function freeRunSection({ freeRun, curves }) {
     ...tables.map((row) => collapsible(`By trip: ${row.label}`, plural(row.trips.length, 'trip'), () => freeRunTrips(row))),
   );
   const run = curves.freeRun;
-  const figures = run && run.measured.speed.length > 1 && run.predicted.speed.length > 1 ? PICTURES.map((one) => freeRunFigure(run, one)) : [];
+  const figures = run && run.measured.speed.length > 1 && run.predicted.speed.length > 1 ? PICTURES.map((one) => freeRunFigure(run, freeRun, one)) : [];
   byId('free-run-figures').append(...figures.map(({ node }) => node));
+  byId('free-run-figures').hidden = figures.length === 0;
   return () => figures.forEach(({ draw }) => draw());
 }
 

@@ -340,3 +340,81 @@ impl<'a> Limits<'a> {
         row.extend(window.map(|at| self.limit_mps[at]));
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// 100 s at 10 Hz; the limit falls after 40 s, the car stands from 70 s on.
+    fn course() -> Course {
+        let limit = |i: usize| if i < 400 { 20.0 } else { 10.0 };
+        let speed = |i: usize| if i < 700 { limit(i) - 1.0 } else { 0.0 };
+        let speed_mps: Vec<f64> = (0..1000).map(speed).collect();
+        let mut distance_m = vec![0.0];
+        for pair in speed_mps.windows(2) {
+            distance_m.push(distance_m[distance_m.len() - 1] + 0.05 * (pair[0] + pair[1]));
+        }
+        Course {
+            name: "test".to_owned(),
+            step_s: 0.1,
+            limit_mps: Some((0..1000).map(limit).collect()),
+            slope_rad: None,
+            speed_mps,
+            distance_m,
+        }
+    }
+
+    #[test]
+    fn places_know_the_limits_around_them_and_a_standing_car_has_none() {
+        let course = course();
+        let limits = Limits::of(&course, 10.0).unwrap();
+        let [here, next, before, to_next, since] = limits.place(390);
+        assert_eq!((here, next, before), (20.0, 10.0, 20.0));
+        assert!((to_next - (course.distance_m[400] - course.distance_m[390])).abs() < 1e-9);
+        assert!((since - course.distance_m[390]).abs() < 1e-9);
+        let [here, next, before, ..] = limits.place(650);
+        assert_eq!((here, next, before), (10.0, 0.0, 20.0));
+        assert!(limits.place(999)[0].abs() < 1e-12);
+    }
+
+    #[test]
+    fn windows_span_ten_seconds_and_are_held_at_the_ends() {
+        let course = course();
+        let limits = Limits::of(&course, 10.0).unwrap();
+        let window = |k| {
+            let mut row = Vec::new();
+            limits.window(k, &mut row);
+            row
+        };
+        assert_eq!(window(400).len(), 101);
+        assert_eq!((window(400)[49], window(400)[50]), (20.0, 10.0));
+        assert!(window(0).iter().all(|limit| *limit == 20.0));
+        assert_eq!(window(999)[100], 0.0);
+    }
+
+    #[test]
+    fn one_step_ahead_is_the_first_step_of_the_recursion() {
+        let course = course();
+        for trial in Trial::ALL {
+            let fitted = trial.fit(&[&course], &TrialSettings::default()).unwrap();
+            assert_eq!(fitted.fit.status, svr::Status::Optimal, "{trial:?}");
+            let past = trial.past_speeds(&fitted.settings).max(1);
+            let whole = fitted.predict(&course).unwrap();
+            let ahead = fitted.predict_ahead(&course, &[past - 1], 20).unwrap();
+            for (k, speed) in ahead[0].iter().enumerate() {
+                assert!((speed - whole[past + k]).abs() < 1e-9, "{trial:?} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_limits_there_is_no_trial() {
+        let course = Course {
+            limit_mps: None,
+            ..course()
+        };
+        let error = Trial::Place.fit(&[&course], &TrialSettings::default());
+        assert!(matches!(error, Err(Error::NoLimits { .. })));
+    }
+}

@@ -126,7 +126,7 @@ impl TripSummary {
             rmse_mps: mean_of(|f| f.rmse_mps)?,
             abs_distance_error_pct: mean(
                 figures
-                    .clone()
+                    .iter()
                     .filter_map(|f| f.distance_error_pct)
                     .map(f64::abs),
             ),

@@ -373,7 +373,7 @@ fn beyond_a_hundred_thousand_samples_landmarks_are_taken() {
 }
 
 #[test]
-#[ignore = "to the optimum it takes a minute"]
+#[ignore = "half a minute to the optimum, and 1 GB"]
 fn beyond_a_hundred_thousand_samples_landmarks_reach_the_optimum() {
     beyond_a_hundred_thousand(Stopping::default());
 }

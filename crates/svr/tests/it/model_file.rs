@@ -73,7 +73,7 @@ fn files_that_contradict_themselves_are_refused() {
                     .expect("a field")
                     .as_array_mut()
                     .expect("an array")
-                    .push(json!(1.0))
+                    .push(json!(1.0));
             }
         };
         for field in [

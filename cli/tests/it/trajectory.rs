@@ -1,0 +1,196 @@
+//! The speed ahead and whole trips, as users run them.
+
+use tempfile::TempDir;
+
+use crate::program::{drivekit, fixture};
+
+/// Few samples and horizons, so that it takes seconds.
+const QUICK: [&str; 8] = [
+    "--task",
+    "trajectory",
+    "--horizons",
+    "1,5",
+    "--max-samples",
+    "1500",
+    "--models",
+    "blend,svr-rbf",
+];
+
+#[test]
+fn models_beat_persistence_and_trips_are_predicted_from_the_road() {
+    let mut arguments = vec!["evaluate", "--format", "json"];
+    arguments.extend(QUICK);
+    arguments.extend(["--require", "blend.skill_pct.5>=40"]);
+    let document = drivekit(&arguments).ok().json();
+
+    assert_eq!(document["task"], "trajectory");
+    let rmse = |model: &str, horizon: &str| {
+        document["horizons"][horizon][model]["rmse_mps"]
+            .as_f64()
+            .unwrap()
+    };
+    for baseline in [
+        "persistence",
+        "constant-acceleration",
+        "decaying-acceleration",
+        "ridge",
+        "boosted-trees",
+    ] {
+        assert!(rmse("blend", "5") < rmse(baseline, "5"), "{baseline}");
+        assert!(document["baselines"][baseline].is_object());
+    }
+    let coverage = document["horizons"]["5"]["blend"]["coverage_pct"]
+        .as_f64()
+        .unwrap();
+    assert!((80.0..=98.0).contains(&coverage), "{coverage}");
+    let trials = document["trials"].as_array().unwrap();
+    assert_eq!(trials.len(), 5);
+    for trial in trials {
+        assert_eq!(trial["trips"].as_array().unwrap().len(), 12);
+        assert_eq!(trial["fits"][0]["status"], "optimal");
+    }
+    let known = &document["free_run"]["known"];
+    assert!(known["distance"]["mean_abs_pct"].as_f64().unwrap() < 3.0);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let run = |threads: &str| {
+        let mut arguments = vec!["--threads", threads, "evaluate", "--format", "json"];
+        arguments.extend(QUICK);
+        let document = drivekit(&arguments).ok().json();
+        document["horizons"].clone()
+    };
+    assert_eq!(run("1"), run("2"));
+}
+
+#[test]
+fn a_missed_requirement_is_an_honest_negative() {
+    let mut arguments = vec!["evaluate", "--require", "blend.skill_pct.1>=99.9"];
+    arguments.extend(QUICK);
+    assert_eq!(drivekit(&arguments).code, 1);
+}
+
+#[test]
+fn models_of_the_speed_ahead_are_fitted_kept_and_used() {
+    let folder = TempDir::new().unwrap();
+    let (drives, test) = (fixture("drives"), fixture("drives/drive-12.csv"));
+    for kind in [
+        "svr-linear",
+        "svr-quadratic",
+        "svr-rbf",
+        "least-squares",
+        "blend",
+        "ridge",
+        "boosted-trees",
+    ] {
+        let file = folder.path().join(format!("{kind}.json"));
+        let file = file.to_str().unwrap();
+        drivekit(&[
+            "fit",
+            &drives,
+            "--model",
+            kind,
+            "--horizons",
+            "2,5",
+            "-o",
+            file,
+        ])
+        .ok();
+        let document = drivekit(&[
+            "predict",
+            &test,
+            "--model",
+            file,
+            "--horizon",
+            "5",
+            "--format",
+            "json",
+        ])
+        .ok()
+        .json();
+        let horizons = document["logs"][0]["horizons"].as_array().unwrap();
+        assert_eq!(horizons.len(), 1, "{kind}");
+        assert!(horizons[0]["rmse_mps"].as_f64().unwrap() < 2.5, "{kind}");
+        let shown = drivekit(&["model", "show", file]).ok();
+        assert!(shown.stdout.contains("speed-ahead"), "{}", shown.stdout);
+        let refused = drivekit(&["predict", &test, "--model", file, "--horizon", "7"]);
+        assert_eq!(refused.code, 2);
+        assert!(
+            refused.stderr.contains("--horizons 7"),
+            "{}",
+            refused.stderr
+        );
+    }
+}
+
+#[test]
+fn a_trip_driver_drives_the_road_of_a_log() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("trips.json");
+    let file = file.to_str().unwrap();
+    drivekit(&[
+        "fit",
+        &fixture("drives"),
+        "--model",
+        "trip-driver",
+        "-o",
+        file,
+    ])
+    .ok();
+    let document = drivekit(&[
+        "predict",
+        &fixture("drives/drive-03.csv"),
+        "--model",
+        file,
+        "--format",
+        "json",
+    ])
+    .ok()
+    .json();
+    let trip = &document["logs"][0];
+    let ratio =
+        trip["duration_s"].as_f64().unwrap() / trip["measured_duration_s"].as_f64().unwrap();
+    assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    let speeds = trip["speed_mps"].as_array().unwrap();
+    assert!(speeds.iter().all(|v| v.as_f64().unwrap() >= 0.0));
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("model.json");
+    let file = file.to_str().unwrap();
+    let cycle = fixture("cycles/udds.csv");
+    for (arguments, words) in [
+        (
+            vec!["fit", &cycle, "--model", "trip-driver", "-o", file],
+            "limit",
+        ),
+        (
+            vec![
+                "fit",
+                &cycle,
+                "--model",
+                "svr-rbf",
+                "--horizons",
+                "0",
+                "-o",
+                file,
+            ],
+            "horizon",
+        ),
+        (
+            vec!["evaluate", "--task", "trajectory", "--models", "profile"],
+            "phases",
+        ),
+        (
+            vec!["evaluate", "--task", "trajectory", "--folds", "1"],
+            "drives",
+        ),
+    ] {
+        let run = drivekit(&arguments);
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}
