@@ -154,7 +154,9 @@ pub(crate) const TRAJECTORY: Page = Page {
         include_str!("report/tables.js"),
         include_str!("report/chart.js"),
         include_str!("report/trajectory-horizons.js"),
+        include_str!("report/trajectory-speed.js"),
         include_str!("report/trajectory-figures.js"),
+        include_str!("report/trajectory-free-run.js"),
         include_str!("report/trajectory.js"),
     ),
 };

@@ -11,7 +11,7 @@ const QUICK: [&str; 8] = [
     "--horizons",
     "1,5",
     "--max-samples",
-    "1500",
+    "800",
     "--models",
     "blend,svr-rbf",
 ];

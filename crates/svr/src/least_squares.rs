@@ -13,6 +13,8 @@ const DEFAULT_LANDMARKS: usize = 1500;
 /// responses. (J. Suykens, J. Vandewalle: Least squares support vector machine classifiers, Neural Processing Letters 9,
 /// 1999.)
 ///
+/// Weights of responses and a scaling of the response are not used.
+///
 /// # Errors
 /// [`Error::Setting`], [`Error::Length`] where a response has not one value per sample, [`Error::NotPositiveDefinite`].
 pub fn fit_least_squares(
@@ -74,7 +76,7 @@ pub fn fit_least_squares(
         Landmarks::Count(count) => count,
     };
     let nystrom = Nystrom::new(settings.kernel, &scaled, d, count)?;
-    let rows = LinearRows::new(&nystrom.features(&scaled), nystrom.count());
+    let rows = nystrom.features(&scaled);
     let solved = rows
         .least_squares(&responses, box_constraint)
         .ok_or(Error::NotPositiveDefinite)?;

@@ -50,14 +50,24 @@ const TO_THE_BOUND: f64 = 0.995;
 
 impl LinearRows {
     pub(crate) fn new(scaled: &[f64], predictors: usize) -> Self {
-        let mut values = Vec::with_capacity(scaled.len() / predictors * (predictors + 1));
-        for row in scaled.chunks_exact(predictors) {
-            values.extend_from_slice(row);
-            values.push(1.0);
-        }
+        let mut rows = Self::with_capacity(predictors, scaled.len() / predictors);
+        rows.extend(scaled);
+        rows
+    }
+
+    pub(crate) fn with_capacity(predictors: usize, samples: usize) -> Self {
+        let columns = predictors + 1;
         Self {
-            values,
-            columns: predictors + 1,
+            values: Vec::with_capacity(samples * columns),
+            columns,
+        }
+    }
+
+    /// Adds rows without their ones.
+    pub(crate) fn extend(&mut self, scaled: &[f64]) {
+        for row in scaled.chunks_exact(self.columns - 1) {
+            self.values.extend_from_slice(row);
+            self.values.push(1.0);
         }
     }
 

@@ -9,10 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::expansion::kernel_block;
+use crate::linear::LinearRows;
 use crate::{Error, Kernel};
 
 /// Seed of the choice of landmarks.
 const SEED: u64 = 1;
+
+/// Rows at a time.
+const BLOCK: usize = 1024;
 
 /// Landmarks and the factor between them.
 pub(crate) struct Nystrom {
@@ -69,26 +73,31 @@ impl Nystrom {
         &self.landmarks
     }
 
-    /// `φ` of scaled rows, row by row.
-    pub(crate) fn features(&self, scaled: &[f64]) -> Vec<f64> {
+    /// `φ` of scaled rows.
+    pub(crate) fn features(&self, scaled: &[f64]) -> LinearRows {
         let count = self.count();
-        let mut features = vec![0.0; scaled.len() / self.predictors * count];
-        let blocks = scaled
-            .chunks(1024 * self.predictors)
-            .zip(features.chunks_mut(1024 * count));
-        for (rows, features) in blocks {
+        let mut rows = LinearRows::with_capacity(count, scaled.len() / self.predictors);
+        let mut features = Vec::new();
+        for block in scaled.chunks(BLOCK * self.predictors) {
+            let columns = block.len() / self.predictors;
+            features.resize(columns * count, 0.0);
             kernel_block(
                 self.kernel,
                 self.predictors,
                 &self.landmarks,
-                rows,
-                features,
+                block,
+                &mut features,
             );
-            let columns = features.len() / count;
-            let right = MatMut::from_column_major_slice_mut(features, count, columns);
+            let right = MatMut::from_column_major_slice_mut(&mut features, count, columns);
             solve_lower_triangular_in_place(self.factor.L(), right, Par::Seq);
+            rows.extend(&features);
         }
-        features
+        rows
+    }
+
+    /// Bytes that as many landmarks need for the features of `samples` and for the factor between them.
+    pub(crate) fn bytes(samples: usize, predictors: usize, count: usize) -> usize {
+        8 * (samples * (count + 1) + BLOCK * count + 3 * count * count + count * predictors)
     }
 
     /// Coefficients of the landmarks that say the same as `weights` of the features: `L⁻ᵀ w`.

@@ -19,7 +19,7 @@ pub struct Settings {
     pub response_scaling: Scaling,
     /// When a kernel is approximated.
     pub landmarks: Landmarks,
-    /// Kernel rows, landmarks and copies of the predictors stay under it; 1.1 GB.
+    /// Kernel rows, landmarks and copies of the predictors stay under it; what the caller holds is not counted. 1.1 GB.
     pub memory_limit_bytes: usize,
     /// When a solver stops.
     pub stopping: Stopping,

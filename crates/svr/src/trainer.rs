@@ -106,7 +106,7 @@ impl Trainer {
     /// Scales the predictors.
     ///
     /// # Errors
-    /// [`Error::Setting`] for settings out of range, [`Error::Memory`] where not even two kernel rows fit,
+    /// [`Error::Setting`] for settings out of range, [`Error::Memory`] where predictors and landmarks, or two kernel rows, do not fit,
     /// [`Error::NotPositiveDefinite`].
     pub fn new(samples: &Samples<'_>, settings: &Settings) -> Result<Self, Error> {
         settings.check(samples.predictors())?;
@@ -116,31 +116,37 @@ impl Trainer {
             .unwrap_or_else(|| settings.kernel.default_scale(d));
         let scaler = Scaler::of(samples, settings);
         let scaled = scaler.scale(samples, kernel_scale);
+        let limit_bytes = settings.memory_limit_bytes;
+        let within = |needed_bytes: usize| {
+            let fits = needed_bytes <= limit_bytes;
+            let refused = Error::Memory {
+                samples: n,
+                needed_bytes,
+                limit_bytes,
+            };
+            if fits { Ok(()) } else { Err(refused) }
+        };
         let landmarks = match settings.landmarks {
             Landmarks::Never => None,
-            Landmarks::Count(count) => Some(count),
+            Landmarks::Count(count) => Some(count.min(n)),
             Landmarks::Auto => (n > MANY_SAMPLES).then_some(DEFAULT_LANDMARKS),
         };
         let method = match (settings.kernel, landmarks) {
-            (Kernel::Linear, _) => Method::Linear(LinearRows::new(&scaled, d)),
+            (Kernel::Linear, _) => {
+                within(8 * n * (2 * d + 1))?;
+                Method::Linear(LinearRows::new(&scaled, d))
+            }
             (kernel, Some(count)) => {
+                within(8 * n * d + Nystrom::bytes(n, d, count))?;
                 let nystrom = Nystrom::new(kernel, &scaled, d, count)?;
-                let rows = LinearRows::new(&nystrom.features(&scaled), nystrom.count());
+                let rows = nystrom.features(&scaled);
                 Method::Landmarks(nystrom, rows)
             }
             (kernel, None) => {
-                // Predictors once in double and once in single precision, the batch of products of the rows.
-                let fixed_bytes = n * d * 12 + n * 64 * 4 + n * 100;
-                let left = settings.memory_limit_bytes.saturating_sub(fixed_bytes);
-                let capacity = left / (4 * n);
-                if capacity < n.min(2) {
-                    let needed_bytes = fixed_bytes + 8 * n;
-                    return Err(Error::Memory {
-                        samples: n,
-                        needed_bytes,
-                        limit_bytes: settings.memory_limit_bytes,
-                    });
-                }
+                // Predictors in double and in single precision, the products of a batch, and per sample the solver's own.
+                let fixed_bytes = n * (12 * d + 4 * 64 + 100);
+                within(fixed_bytes + 4 * n * n.min(2))?;
+                let capacity = (limit_bytes - fixed_bytes) / (4 * n);
                 Method::Kernel(KernelProblem::new(kernel, scaled, d, capacity)?)
             }
         };

@@ -1,76 +1,9 @@
 // ---------------------------------------------------------------- figures 4.4 to 4.11
 
-const MEASURED = { name: 'measured', colour: '--measured', width: 1.75 };
-const PREDICTED = { name: 'predicted', colour: '--accent', width: 1.5 };
-const LIMIT = { name: 'limit', colour: '--series-4', width: 1.25 };
 const PART_S = 300;
 const MINUTES_FROM_S = 240;
-/** How far a prediction may lead the axis away, and what the axis is when one goes further; in measured ranges. */
-const REACH = { low: -1, high: 2 };
-const CUT = { low: -0.25, high: 1.4 };
 const MEANT_KMH = 1000;
 const WINDOW = { halfS: 5, besideS: 3, height: 190, most: 420 };
-
-function readDrive(source) {
-  const raw = object(source);
-  const speed = Float64Array.from(list(raw.speed_mps), kmh);
-  const recorded = list(raw.limit_mps).map(kmh);
-  const isKnown = recorded.length > 0 && recorded.length === speed.length;
-  // As the trials see it.
-  const limit = isKnown ? Float64Array.from(recorded, (value, index) => (speed[index] > 0 ? value : 0)) : null;
-  const stepS = number(raw.step_s);
-  return { name: text(raw.name), stepS, speed, limit, durationS: (speed.length - 1) * stepS };
-}
-
-const isDrawable = ({ speed, stepS }) => speed.length > 1 && stepS > 0;
-
-/** At most two points a pixel: the least and the most of each stretch. Where nothing is known there is a gap. */
-function thinned(places, values, width) {
-  const stride = Math.max(1, Math.floor(values.length / Math.max(2 * width, 1)));
-  const points = [];
-  for (let start = 0; start < values.length; start += stride) {
-    let [least, most] = [-1, -1];
-    for (let i = start; i < Math.min(start + stride, values.length); i += 1) {
-      if (Number.isNaN(values[i])) continue;
-      if (least < 0 || values[i] < values[least]) least = i;
-      if (most < 0 || values[i] > values[most]) most = i;
-    }
-    if (least < 0) points.push([NaN, NaN]);
-    else for (const i of new Set(least < most ? [least, most] : [most, least])) points.push([places[i], values[i]]);
-  }
-  return points;
-}
-
-function extent(values) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  return { low, high };
-}
-
-/** The axis of speed: from 0 to the fastest, and as far as a prediction goes that has not run away. */
-function speedAxis(measured, predicted) {
-  const top = Math.max(...measured.filter((values) => values.length > 0).map((values) => extent(values).high)) || 1;
-  const reached = extent(predicted);
-  const astray = reached.low < REACH.low * top || reached.high > REACH.high * top;
-  const low = astray ? CUT.low * top : Math.min(0, reached.low);
-  return { low, high: astray ? CUT.high * top : 1.05 * Math.max(top, reached.high), unit: 'km/h' };
-}
-
-/** Some lines over places that they share or have of their own; the values beyond the axis lie at its edge. */
-function speedPicture({ label, lines, x, y, told }, width) {
-  const frame = chartFrame(width, Math.max(220, Math.round(width * 0.3)), x, y);
-  const inside = (value) => Math.min(Math.max(value, y.low), y.high);
-  const nodes = lines.map((line) => {
-    const points = thinned(line.places, line.values, frame.box.right - frame.box.left);
-    return lineNode(points.map(([at, value]) => [at, inside(value)]), frame, line);
-  });
-  return hoverable(frame, picture(frame, label, [...frame.axes, ...nodes]), told);
-}
-
-const lineLegend = (lines) => legendOf(lines.map(({ name, colour, kind }) => [strokeSample(colour, kind), name]));
 
 /** Speeds over the time of a drive, between the seconds of `view`. */
 function timeFigure(drive, { title, caption, lines, y, digits = 1 }, view, width) {
@@ -171,7 +104,8 @@ function windowMoments({ limit, stepS, speed }) {
   const beside = Math.round(WINDOW.besideS / stepS);
   const changes = [];
   for (let k = 2 * half; k < limit.length - 2 * half; k += 1) {
-    if (limit[k] !== limit[k - 1]) changes.push({ at: k, stands: Math.min(limit[k], limit[k - 1]) === 0, size: Math.abs(limit[k] - limit[k - 1]) });
+    const [before, after] = [limit[k - 1], limit[k]];
+    if (before !== after) changes.push({ at: k, stands: Math.min(before, after) === 0, size: Math.abs(after - before) });
   }
   // Those of the limit itself, the largest first, and then where the car comes to stand.
   const moving = sortRows(changes.filter(({ stands }) => !stands), ({ size }) => size, true);
@@ -190,7 +124,8 @@ function windowTitle({ shift, stands }) {
 
 function windowPicture({ limit, stepS }, moment, y, width) {
   const frame = chartFrame(width, WINDOW.height, { low: -WINDOW.halfS, high: WINDOW.halfS, unit: 's from now' }, y);
-  const held = Array.from({ length: 2 * moment.half + 1 }, (_, index) => Math.min(Math.max(moment.at + index - moment.half, 0), limit.length - 1));
+  const sample = (_, index) => Math.min(Math.max(moment.at + index - moment.half, 0), limit.length - 1);
+  const held = Array.from({ length: 2 * moment.half + 1 }, sample);
   const steps = held.flatMap((at, index) => {
     const time = (index - moment.half) * stepS;
     return index === 0 ? [[time, limit[at]]] : [[time, limit[held[index - 1]]], [time, limit[at]]];
@@ -213,13 +148,18 @@ function windowFigure(drive) {
   const panels = moments.map(() => el('div'));
   const dot = swatch(MEASURED.colour);
   dot.style.borderRadius = '50%';
-  const caption = `${drive.name}. What trials 2 to 5 know of the limits: ${fixed(count, 0)} values of 10\u00a0s, half of them of what is still to come. Where the car will stand in 5\u00a0s, the window says so.`;
+  const caption = [
+    `${drive.name}. What trials 2 to 5 know of the limits: ${fixed(count, 0)} values of 10\u00a0s, half of them of what is still to come.`,
+    'Where the car will stand within 5\u00a0s, the window says so.',
+  ].join(' ');
+  const legend = legendOf([[strokeSample(LIMIT.colour), 'limit'], [dot, 'speed now']]);
   const body =
     moments.length > 0
-      ? [el('div', { class: 'panels' }, ...panels), legendOf([[strokeSample(LIMIT.colour), 'limit'], [dot, 'speed now']]), el('figcaption', {}, caption)]
+      ? [el('div', { class: 'panels' }, ...panels), legend, el('figcaption', {}, caption)]
       : [note('The limit of this drive never changes.')];
   const node = el('figure', {}, el('h3', {}, 'Figure 4.6: the window of limits'), ...body);
-  const draw = () => panels.forEach((panel, index) => panel.replaceChildren(windowPicture(drive, moments[index], y, chartWidth(panel, WINDOW.most))));
+  const drawn = (panel, index) => windowPicture(drive, moments[index], y, chartWidth(panel, WINDOW.most));
+  const draw = () => panels.forEach((panel, index) => panel.replaceChildren(drawn(panel, index)));
   return { figure: '4.6', node, draw };
 }
 
@@ -242,12 +182,14 @@ function figureSection({ trials, curves }) {
   const known = isDrawable(shown) ? predicted.filter((one) => TRIALS[one.trial] && one.speed.length === shown.speed.length) : [];
   const parts = partsOf(shown);
   let view = parts[0];
-  const timed = [...(isDrawable(learnt) ? learntSpecs(learnt) : []), ...known.map(({ trial, speed }) => predictionSpec(shown, trial, speed))];
+  const predictions = known.map(({ trial, speed }) => predictionSpec(shown, trial, speed));
+  const timed = [...(isDrawable(learnt) ? learntSpecs(learnt) : []), ...predictions];
   const figures = timed.map((spec) => {
     const body = el('div');
     const node = el('figure', {}, el('h3', {}, spec.title), body, el('figcaption', {}, spec.caption));
     const all = { from: 0, to: spec.drive.durationS };
-    return { ...spec, node, draw: () => body.replaceChildren(...timeFigure(spec.drive, spec, spec.moves ? view : all, chartWidth(body, 1200))) };
+    const drawn = () => timeFigure(spec.drive, spec, spec.moves ? view : all, chartWidth(body, 1200));
+    return { ...spec, node, draw: () => body.replaceChildren(...drawn()) };
   });
   if (isDrawable(shown) && shown.limit) figures.push(windowFigure(shown));
   if (figures.length === 0) return absent('figures', 'The document has no drives to draw (curves).');
@@ -260,7 +202,7 @@ function figureSection({ trials, curves }) {
       ? [el('div', { class: 'controls' }, picklist('Part of the predicted drive', [['Time', parts]], pick))]
       : [];
   byId('figures-remark').append(
-    'One drive that trials learnt from, and another, the longest, as each trial predicts it from its limits; the trial shown was fitted on other drives than that.',
+    'One drive that trials learnt from, and another, the longest, as each trial, fitted on other drives, predicts it from its limits.',
   );
   const numbered = sortRows(figures, ({ figure }) => Number(figure.split('.')[1]), false);
   byId('figures-body').append(...controls, ...numbered.map(({ node }) => node));

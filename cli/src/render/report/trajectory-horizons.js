@@ -14,8 +14,8 @@ function readHorizons(doc) {
   const horizons = sortRows(byHorizon.filter(({ ahead }) => ahead > 0), ({ ahead }) => ahead, false);
   const figures = ({ models }, name) => {
     const raw = object(member(models, name));
-    const of = (key) => number(raw[key]);
-    return { rmse: of('rmse_mps'), mae: of('mae_mps'), skill: of('skill_pct'), half: of('interval_mps'), coverage: of('coverage_pct') };
+    const [rmse, skill, half, coverage] = ['rmse_mps', 'skill_pct', 'interval_mps', 'coverage_pct'].map((key) => number(raw[key]));
+    return { rmse, skill, half, coverage };
   };
   const entry = (isBaseline) => ([name, raw]) => ({
     name,
@@ -25,7 +25,8 @@ function readHorizons(doc) {
     predictS: number(object(raw).predict_seconds),
     figures: horizons.map((horizon) => figures(horizon, name)),
   });
-  const [models, baselines] = [doc.models, doc.baselines].map((entries, index) => Object.entries(object(entries)).map(entry(index === 1)));
+  const entries = (source, isBaseline) => Object.entries(object(source)).map(entry(isBaseline));
+  const [models, baselines] = [entries(doc.models, false), entries(doc.baselines, true)];
   const fitted = [...models.filter((model) => !model.isTrial), ...models.filter((model) => model.isTrial)];
   fitted.forEach((model, index) => {
     const shape = SHAPES[index % SHAPES.length];
@@ -66,23 +67,26 @@ function errorsTold(shown, ahead, at) {
   const known = shown.filter(({ figures }) => Number.isFinite(figures[nearest].rmse));
   const rows = sortRows(known, ({ figures }) => figures[nearest].rmse, false);
   if (rows.length === 0) return null;
-  return [`${seconds(ahead[nearest])} ahead`, rows.map(({ name, figures }) => `${name}: ${quantity(figures[nearest].rmse, 3, 'm/s')}`)];
+  const row = ({ name, figures }) => `${name}: ${quantity(figures[nearest].rmse, 3, 'm/s')}`;
+  return [`${seconds(ahead[nearest])} ahead`, rows.map(row)];
 }
 
 function errorFigure({ ahead, models }, shown, width) {
   const lines = models.filter(({ name }) => shown.has(name));
   const x = { low: 0, high: 1.03 * Math.max(...ahead), unit: 's ahead' };
   const frame = chartFrame(width, Math.max(280, Math.round(width * 0.45)), x, errorAxis({ models }, lines));
-  const told = lines.map(({ name, figures }) => `${name} ${figures.map(({ rmse }, k) => `${fixed(rmse, 2)} at ${fixed(ahead[k], 1)} s`).join(', ')}`);
+  const at = ({ rmse }, index) => `${fixed(rmse, 2)} at ${seconds(ahead[index])}`;
+  const told = lines.map(({ name, figures }) => `${name} ${figures.map(at).join(', ')}`);
   const label = `Root mean square error over seconds ahead, in m/s. ${told.join('; ') || 'No line is shown'}.`;
   // The baselines first, so that the models lie above them.
   const nodes = [...lines].reverse().flatMap((line) => errorLine(line, ahead, frame));
-  const border = svg('path', { class: 'axis', fill: 'none', d: `M${frame.box.left} ${frame.box.top}V${frame.box.bottom}H${frame.box.right}` });
+  const { left, right, top, bottom } = frame.box;
+  const border = svg('path', { class: 'axis', fill: 'none', d: `M${left} ${top}V${bottom}H${right}` });
   const drawn = picture(frame, label, [...frame.axes, border, ...nodes]);
   const beyond = lines.filter(({ figures }) => figures.some(({ rmse }) => rmse > frame.range.y.high || Number.isNaN(rmse)));
-  const names = beyond.map(({ name }) => name).join(', ');
-  const caption = beyond.length > 0 ? [el('figcaption', {}, `Beyond the axis or without a number at some horizon: ${names}.`)] : [];
-  return [hoverable(frame, drawn, (at) => errorsTold(lines, ahead, at)), ...caption];
+  const words = `Beyond the axis or without a number at some horizon: ${beyond.map(({ name }) => name).join(', ')}.`;
+  const caption = beyond.length > 0 ? [el('figcaption', {}, words)] : [];
+  return [hoverable(frame, drawn, (horizon) => errorsTold(lines, ahead, horizon)), ...caption];
 }
 
 /** The legend, whose entries switch their lines. */
@@ -96,7 +100,8 @@ function linePicker({ models }, shown, onChange) {
     });
     const sample = svg('svg', { width: 26, height: 12, viewBox: '0 0 26 12', 'aria-hidden': 'true' });
     const line = svg('path', { d: 'M0 6H26', 'stroke-width': 2, 'stroke-dasharray': DASHES[look.kind] });
-    sample.append(coloured(line, 'stroke', look.colour), markerNode(look.shape, [[13, 6]], AHEAD.radius, look.colour, look.hollow));
+    const mark = markerNode(look.shape, [[13, 6]], AHEAD.radius, look.colour, look.hollow);
+    sample.append(coloured(line, 'stroke', look.colour), mark);
     return el('label', { class: 'chip' }, input, sample, name);
   });
   byId('horizons-picker').append(...chips);
@@ -106,7 +111,8 @@ function linePicker({ models }, shown, onChange) {
 
 function errorTable({ ahead, models }) {
   const printed = (rmse) => Number(rmse.toFixed(3));
-  const best = ahead.map((_, k) => Math.min(...models.map(({ figures }) => figures[k].rmse).filter(Number.isFinite).map(printed)));
+  const errors = (k) => models.map(({ figures }) => figures[k].rmse).filter(Number.isFinite);
+  const best = ahead.map((_, k) => Math.min(...errors(k).map(printed)));
   const columns = [
     ...ahead.map((at, k) => ({ label: seconds(at), value: ({ figures }) => figures[k].rmse, digits: 3, best: best[k] })),
     { label: 'Fit', unit: 's', value: ({ fitS }) => fitS, digits: 1 },
@@ -120,7 +126,8 @@ function errorTable({ ahead, models }) {
   const bodies = [false, true].map((isBaseline) => {
     const rows = models.filter((model) => model.isBaseline === isBaseline).map(row);
     const title = el('tr', {}, el('th', { scope: 'rowgroup', colspan: columns.length + 1 }, isBaseline ? 'Baselines' : 'Models'));
-    return { rows, title, node: el('tbody', { class: isBaseline ? 'baselines' : 'models' }, title, ...rows.map(({ node }) => node)) };
+    const kind = isBaseline ? 'baselines' : 'models';
+    return { rows, title, node: el('tbody', { class: kind }, title, ...rows.map(({ node }) => node)) };
   });
   const headings = columns.map((column) => {
     const node = columnHeading(column, () => {
@@ -180,8 +187,10 @@ function horizonSection({ horizons, verdicts, leftOut }) {
   const draw = () => figure.replaceChildren(...errorFigure(horizons, shown, chartWidth(figure, AHEAD.most)));
   linePicker(horizons, shown, draw);
   byId('horizons-body').append(figure);
-  byId('horizons-errors-body').append(errorTable(horizons), ...leftOut.map(([name, reason]) => note(`${name} is left out: ${reason}.`)));
-  byId('horizons-verdicts-body').append(verdicts.length > 0 ? verdictTable(verdicts, horizons) : note('The document has no verdicts.'));
+  const remarks = leftOut.map(([name, reason]) => note(`${name} is left out: ${reason}.`));
+  const compared = verdicts.length > 0 ? verdictTable(verdicts, horizons) : note('The document has no verdicts.');
+  byId('horizons-errors-body').append(errorTable(horizons), ...remarks);
+  byId('horizons-verdicts-body').append(compared);
   byId('horizons-coverage-body').append(coverageTable(horizons));
   return draw;
 }
