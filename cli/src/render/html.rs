@@ -206,7 +206,14 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [Page; 5] = [EVALUATION, SEGMENTATION, ENERGY, CALIBRATION, PORTRAIT];
+    const PAGES: [Page; 6] = [
+        EVALUATION,
+        SEGMENTATION,
+        ENERGY,
+        CALIBRATION,
+        PORTRAIT,
+        TRAJECTORY,
+    ];
 
     /// What a browser takes for the content of the data element.
     fn embedded(page: &str) -> &str {

@@ -46,7 +46,7 @@ fn models_beat_persistence_and_trips_are_predicted_from_the_road() {
     let trials = document["trials"].as_array().unwrap();
     assert_eq!(trials.len(), 5);
     for trial in trials {
-        assert_eq!(trial["trips"].as_array().unwrap().len(), 12);
+        assert_eq!(trial["by_trip"].as_array().unwrap().len(), 12);
         assert_eq!(trial["fits"][0]["status"], "optimal");
     }
     let known = &document["free_run"]["known"];

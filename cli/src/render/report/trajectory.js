@@ -101,7 +101,7 @@ function trialSection(report) {
   const { trials } = report;
   byId('solved').hidden = trials.length === 0;
   if (trials.length === 0) return absent('trials', 'Some drive has no limits, so that the trials of the thesis are left out.');
-  const [{ measured_energy_j: measuredJ, trips }] = trials;
+  const [{ measured_energy_j: measuredJ, by_trip: trips }] = trials;
   const count = list(trips).length;
   const words = [
     `Measured: ${quantity(megajoules(measuredJ), 3, 'MJ')} on ${plural(count, 'drive')}.`,

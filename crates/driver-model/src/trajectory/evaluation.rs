@@ -356,7 +356,12 @@ impl TrajectoryEvaluation {
                 trips.extend(predicted);
             }
         }
-        let mut row = HorizonRow::new(contestant.name(), !contestant.is_optional(), errors);
+        let mut row = HorizonRow::new(
+            contestant.name(),
+            !contestant.is_optional(),
+            matches!(contestant, Contestant::Trial(_)),
+            errors,
+        );
         (row.fit_seconds, row.predict_seconds, row.unfinished) =
             (fit_seconds, predict_seconds, unfinished);
         self.rows.push(row);

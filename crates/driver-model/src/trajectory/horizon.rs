@@ -88,6 +88,8 @@ pub struct HorizonRow {
     pub model: String,
     /// Whether it is a baseline.
     pub baseline: bool,
+    /// Whether it knows something of the future, as the trials do: no verdict counts it.
+    pub foresees: bool,
     /// One per horizon.
     pub figures: Vec<HorizonFigures>,
     /// Moments predicted from.
@@ -102,7 +104,12 @@ pub struct HorizonRow {
 }
 
 impl HorizonRow {
-    pub(super) fn new(model: String, baseline: bool, errors: Vec<HorizonErrors>) -> Self {
+    pub(super) fn new(
+        model: String,
+        baseline: bool,
+        foresees: bool,
+        errors: Vec<HorizonErrors>,
+    ) -> Self {
         let figures = errors.iter().map(|errors| {
             let judged = errors.judged as f64;
             HorizonFigures {
@@ -117,6 +124,7 @@ impl HorizonRow {
         Self {
             model,
             baseline,
+            foresees,
             figures: figures.collect(),
             origins,
             fit_seconds: 0.0,
@@ -157,7 +165,7 @@ impl HorizonRow {
 pub struct HorizonVerdict {
     /// Seconds ahead.
     pub horizon_s: f64,
-    /// The model that is not a baseline with the least error.
+    /// The model with the least error, baselines and trials aside.
     pub model: String,
     /// The baseline with the least error.
     pub baseline: String,
@@ -171,9 +179,9 @@ pub struct HorizonVerdict {
 
 pub(super) fn verdicts(rows: &[HorizonRow], horizons_s: &[f64]) -> Vec<HorizonVerdict> {
     let best = |baseline: bool, horizon: usize| {
-        let rows = rows
-            .iter()
-            .filter(|row| row.baseline == baseline && row.figures[horizon].rmse_mps.is_finite());
+        let rows = rows.iter().filter(|row| {
+            row.baseline == baseline && !row.foresees && row.figures[horizon].rmse_mps.is_finite()
+        });
         rows.min_by(|a, b| {
             a.figures[horizon]
                 .rmse_mps

@@ -73,6 +73,8 @@ struct Entry {
     fold_skill_pct: BTreeMap<String, Vec<f64>>,
     fit_seconds: f64,
     predict_seconds: f64,
+    /// Regressions, over horizons and folds, whose solver stopped before the optimum.
+    unfinished: usize,
 }
 
 #[derive(Serialize)]
@@ -81,7 +83,7 @@ struct Trial<'a> {
     #[serde(flatten)]
     summary: Option<TripSummary>,
     fits: Vec<Fit>,
-    trips: Vec<Trip<'a>>,
+    by_trip: Vec<Trip<'a>>,
 }
 
 #[derive(Serialize)]
@@ -175,6 +177,7 @@ impl Entry {
             fold_skill_pct: keys.iter().enumerate().map(fold_skill).collect(),
             fit_seconds: row.fit_seconds,
             predict_seconds: row.predict_seconds,
+            unfinished: row.unfinished,
         }
     }
 }
@@ -189,7 +192,7 @@ impl<'a> Trial<'a> {
             trial: result.trial.number(),
             summary: result.summary(),
             fits: result.fits.iter().map(Fit::new).collect(),
-            trips: result.trips.iter().map(trip).collect(),
+            by_trip: result.trips.iter().map(trip).collect(),
         }
     }
 }
@@ -218,7 +221,7 @@ pub(super) fn with_curves(
     mut document: Value,
     data: &TrajectoryData,
     evaluation: &TrajectoryEvaluation,
-    free_run: Option<Value>,
+    free_run: Option<&Value>,
 ) -> Value {
     let Some(shown) = (0..data.courses.len()).max_by_key(|&i| data.courses[i].len()) else {
         return document;

@@ -77,7 +77,7 @@ impl EvaluateArgs {
                 .as_ref()
                 .map(|runs| free_run::curve(inputs, runs, bandwidth_m));
             let curve = curve.transpose()?.flatten();
-            let shown = document::with_curves(figures.clone(), &data, &evaluation, curve);
+            let shown = document::with_curves(figures.clone(), &data, &evaluation, curve.as_ref());
             let page = html::TRAJECTORY.filled(&shown);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
@@ -85,7 +85,7 @@ impl EvaluateArgs {
         match context.format {
             Format::Json => output::print_json(&document)?,
             Format::Text => {
-                output::print_text(&text::render(self, &data, &evaluation, free_runs.as_ref()))?
+                output::print_text(&text::render(self, &data, &evaluation, free_runs.as_ref()))?;
             }
         }
         Ok(figures)

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use driver_model::trajectory::{HorizonRow, TrajectoryData, TrajectoryEvaluation};
+use driver_model::trajectory::{HorizonRow, TrajectoryData, TrajectoryEvaluation, TrialResult};
 
 use driver_model::{FreeRunEvaluation, PercentErrors};
 
@@ -52,17 +52,36 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
         cells.push(number(row.fit_seconds, 1));
         cells
     };
-    for baseline in [false, true] {
-        table.heading(if baseline { "baselines" } else { "models" });
-        for model in evaluation
+    type Group = (&'static str, fn(&HorizonRow) -> bool);
+    let groups: [Group; 3] = [
+        ("models", |row| !row.baseline && !row.foresees),
+        ("baselines", |row| row.baseline),
+        (
+            "trials, which know limits and standstill of the next 5 s",
+            |row| row.foresees,
+        ),
+    ];
+    for (heading, of_group) in groups {
+        let mut members = evaluation
             .rows
             .iter()
-            .filter(|row| row.baseline == baseline)
-        {
+            .filter(|row| of_group(row))
+            .peekable();
+        if members.peek().is_some() {
+            table.heading(heading);
+        }
+        for model in members {
             table.add(row(model));
         }
     }
     text.push_str(&table.render());
+    for row in evaluation.rows.iter().filter(|row| row.unfinished > 0) {
+        let _ = writeln!(
+            text,
+            "{}: {} regressions stopped before the optimum.",
+            row.model, row.unfinished
+        );
+    }
     text
 }
 
@@ -130,11 +149,7 @@ fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
         ]);
     }
     text.push_str(&table.render());
-    if let Some(summary) = evaluation
-        .trials
-        .first()
-        .and_then(|result| result.summary())
-    {
+    if let Some(summary) = evaluation.trials.first().and_then(TrialResult::summary) {
         let _ = writeln!(
             text,
             "\nMeasured: {} MJ on {} drives. ΔE: measured minus predicted. The rest are means over drives.\n\
@@ -181,5 +196,9 @@ fn free_run(runs: &FreeRuns) -> String {
     row("limits, stops", &runs.expected);
     row("also where the driver slowed down", &runs.known);
     text.push_str(&table.render());
+    text.push_str(
+        "\nWhere neither limit nor stop explains a slowdown (turns, traffic), the first row puts slowdowns in as often as the driver makes them:\n\
+         right on average, not on a single trip. Energy misses more than distance, because the plan brakes more evenly than a driver does.\n",
+    );
     text
 }
