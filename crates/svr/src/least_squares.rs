@@ -1,4 +1,4 @@
-use crate::linear::LinearRows;
+use crate::linear_rows::LinearRows;
 use crate::model::Model;
 use crate::nystrom::Nystrom;
 use crate::scaler::Scaler;

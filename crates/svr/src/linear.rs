@@ -11,13 +11,13 @@
 //! `u = l = c/2`, `w = 0`, where all but the products hold, and the steps keep them; so the sum of the products is the
 //! duality gap. Predictor and corrector are S. Mehrotra's (SIAM Journal on Optimization 2, 1992).
 
-use faer::linalg::matmul::{matmul, triangular};
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Accum, Col, ColMut, ColRef, Mat, MatRef, Par, Side};
+use faer::{Col, ColRef, Side};
 
 use crate::Status;
 use crate::deadline::Deadline;
-use crate::vectorised::vectorised;
+use crate::linear_rows::LinearRows;
+use crate::multipliers::{Multipliers, Step};
 
 /// What one fit is given: response, bounds `c`, half width of the tube.
 pub(crate) struct Target<'a> {
@@ -36,119 +36,10 @@ pub(crate) struct LinearSolution {
     pub(crate) iterations: usize,
 }
 
-/// Scaled predictors, each row with a one at its end.
-pub(crate) struct LinearRows {
-    values: Vec<f64>,
-    columns: usize,
-}
-
-/// Rows whose scaled copy stays in the cache.
-const BLOCK: usize = 256;
-
 /// How far a step goes toward the nearest bound.
 const TO_THE_BOUND: f64 = 0.995;
 
 impl LinearRows {
-    pub(crate) fn new(scaled: &[f64], predictors: usize) -> Self {
-        let mut rows = Self::with_capacity(predictors, scaled.len() / predictors);
-        rows.extend(scaled);
-        rows
-    }
-
-    pub(crate) fn with_capacity(predictors: usize, samples: usize) -> Self {
-        let columns = predictors + 1;
-        Self {
-            values: Vec::with_capacity(samples * columns),
-            columns,
-        }
-    }
-
-    /// Adds rows without their ones.
-    pub(crate) fn extend(&mut self, scaled: &[f64]) {
-        for row in scaled.chunks_exact(self.columns - 1) {
-            self.values.extend_from_slice(row);
-            self.values.push(1.0);
-        }
-    }
-
-    fn matrix(&self) -> MatRef<'_, f64> {
-        MatRef::from_row_major_slice(&self.values, self.values.len() / self.columns, self.columns)
-    }
-
-    /// `x̃_i·ω` of every sample.
-    pub(crate) fn products(&self, omega: &[f64], out: &mut [f64]) {
-        let out = ColMut::from_slice_mut(out);
-        matmul(
-            out.as_mat_mut(),
-            Accum::Replace,
-            self.matrix(),
-            ColRef::from_slice(omega).as_mat(),
-            1.0,
-            Par::Seq,
-        );
-    }
-
-    /// `Σ q_i x̃_i`.
-    pub(crate) fn combination(&self, q: &[f64], out: &mut [f64]) {
-        let out = ColMut::from_slice_mut(out);
-        matmul(
-            out.as_mat_mut(),
-            Accum::Replace,
-            self.matrix().transpose(),
-            ColRef::from_slice(q).as_mat(),
-            1.0,
-            Par::Seq,
-        );
-    }
-
-    /// Minimises `½‖w‖² + C/2 Σ (y − x̃·ω)²`; one `ω` per response. `None` where the system cannot be factored.
-    pub(crate) fn least_squares(
-        &self,
-        responses: &[&[f64]],
-        box_constraint: f64,
-    ) -> Option<Vec<Vec<f64>>> {
-        let n = self.values.len() / self.columns;
-        let normal = self.normal_matrix(&vec![box_constraint; n], &mut Vec::new());
-        let factors = Llt::new(normal.as_ref(), Side::Lower).ok()?;
-        let solve = |response: &&[f64]| {
-            let mut right = vec![0.0; self.columns];
-            self.combination(response, &mut right);
-            for value in &mut right {
-                *value *= box_constraint;
-            }
-            let solved: Col<f64> = factors.solve(ColRef::from_slice(&right));
-            solved.iter().copied().collect()
-        };
-        Some(responses.iter().map(solve).collect())
-    }
-
-    /// Lower triangle of `diag(1, …, 1, 0) + Σ D_i x̃_i x̃_iᵀ`.
-    fn normal_matrix(&self, d: &[f64], scratch: &mut Vec<f64>) -> Mat<f64> {
-        let columns = self.columns;
-        let mut normal = Mat::identity(columns, columns);
-        normal[(columns - 1, columns - 1)] = 0.0;
-        for (rows, d) in self.values.chunks(BLOCK * columns).zip(d.chunks(BLOCK)) {
-            scratch.clear();
-            for (row, d) in rows.chunks_exact(columns).zip(d) {
-                let root = d.sqrt();
-                scratch.extend(row.iter().map(|x| root * x));
-            }
-            let block = MatRef::from_row_major_slice(scratch, d.len(), columns);
-            triangular::matmul(
-                normal.as_mut(),
-                triangular::BlockStructure::TriangularLower,
-                Accum::Add,
-                block.transpose(),
-                triangular::BlockStructure::Rectangular,
-                block,
-                triangular::BlockStructure::Rectangular,
-                1.0,
-                Par::Seq,
-            );
-        }
-        normal
-    }
-
     /// Minimises (4.17) until the duality gap is at most `tolerance` of the objective.
     pub(crate) fn solve(
         &self,
@@ -237,142 +128,6 @@ impl LinearRows {
             status: Status::Optimal,
             iterations: 0,
         })
-    }
-}
-
-/// Multipliers of one side of the tube, and of their bounds.
-struct Multipliers {
-    m: Vec<f64>,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-}
-
-/// A step of them.
-#[derive(Clone)]
-struct Step {
-    m: Vec<f64>,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-}
-
-impl Step {
-    fn zero(n: usize) -> Self {
-        Self {
-            m: vec![0.0; n],
-            lower: vec![0.0; n],
-            upper: vec![0.0; n],
-        }
-    }
-}
-
-impl Multipliers {
-    /// In the middle, with bound multipliers that differ by `slack` and have the product `tau²`.
-    fn centred(bound: &[f64], slack: impl Iterator<Item = f64>, tau: f64) -> Self {
-        let (mut lower, mut upper) = (
-            Vec::with_capacity(bound.len()),
-            Vec::with_capacity(bound.len()),
-        );
-        for s in slack {
-            // The smaller of the two by the product, not by a difference.
-            let large = 0.5 * (s.abs() + s.hypot(2.0 * tau));
-            let small = tau * tau / large;
-            lower.push(if s > 0.0 { large } else { small });
-            upper.push(if s > 0.0 { small } else { large });
-        }
-        Self {
-            m: bound.iter().map(|c| 0.5 * c).collect(),
-            lower,
-            upper,
-        }
-    }
-
-    fn products(&self, bound: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (i, &c) in bound.iter().enumerate() {
-            sum += self.m[i] * self.lower[i] + (c - self.m[i]) * self.upper[i];
-        }
-        sum
-    }
-
-    /// `θ` and `g` of `Δm = (g ∓ p)/θ`, for the centre `mu` and the second-order terms of `predictor`.
-    fn newton(
-        &self,
-        bound: &[f64],
-        mu: f64,
-        predictor: Option<&Step>,
-        theta: &mut [f64],
-        g: &mut [f64],
-    ) {
-        vectorised(
-            #[inline(always)]
-            || {
-                for (i, &c) in bound.iter().enumerate() {
-                    let (m, rest) = (self.m[i], c - self.m[i]);
-                    let (mut low, mut high) = (mu, mu);
-                    if let Some(step) = predictor {
-                        low -= step.m[i] * step.lower[i];
-                        high += step.m[i] * step.upper[i];
-                    }
-                    theta[i] = self.lower[i] / m + self.upper[i] / rest;
-                    g[i] = (low / m - self.lower[i]) - (high / rest - self.upper[i]);
-                }
-            },
-        );
-    }
-
-    /// The step for the movement `p` of this side's slack, and how much of it keeps everything positive.
-    #[expect(clippy::too_many_arguments, reason = "one loop over all of it")]
-    fn resolve(
-        &self,
-        bound: &[f64],
-        mu: f64,
-        predictor: Option<&Step>,
-        theta: &[f64],
-        g: &[f64],
-        p: &[f64],
-        sign: f64,
-        step: &mut Step,
-    ) -> f64 {
-        let mut worst = [0.0_f64; 4];
-        for (i, &c) in bound.iter().enumerate() {
-            let (m, rest) = (self.m[i], c - self.m[i]);
-            let (mut low, mut high) = (mu, mu);
-            if let Some(step) = predictor {
-                low -= step.m[i] * step.lower[i];
-                high += step.m[i] * step.upper[i];
-            }
-            let dm = (g[i] - sign * p[i]) / theta[i];
-            let dlower = (low - self.lower[i] * dm) / m - self.lower[i];
-            let dupper = (high + self.upper[i] * dm) / rest - self.upper[i];
-            worst[0] = worst[0].max(-dm / m);
-            worst[1] = worst[1].max(dm / rest);
-            worst[2] = worst[2].max(-dlower / self.lower[i]);
-            worst[3] = worst[3].max(-dupper / self.upper[i]);
-            (step.m[i], step.lower[i], step.upper[i]) = (dm, dlower, dupper);
-        }
-        worst.into_iter().fold(0.0, f64::max)
-    }
-
-    fn products_after(&self, bound: &[f64], step: &Step, length: f64) -> f64 {
-        let mut sum = 0.0;
-        for (i, &c) in bound.iter().enumerate() {
-            let m = self.m[i] + length * step.m[i];
-            sum += m * (self.lower[i] + length * step.lower[i])
-                + (c - m) * (self.upper[i] + length * step.upper[i]);
-        }
-        sum
-    }
-
-    fn advance(&mut self, step: &Step, length: f64) {
-        for (values, steps) in [
-            (&mut self.m, &step.m),
-            (&mut self.lower, &step.lower),
-            (&mut self.upper, &step.upper),
-        ] {
-            for (value, step) in values.iter_mut().zip(steps) {
-                *value += length * step;
-            }
-        }
     }
 }
 

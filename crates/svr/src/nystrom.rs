@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::expansion::kernel_block;
-use crate::linear::LinearRows;
+use crate::linear_rows::LinearRows;
 use crate::{Error, Kernel};
 
 /// Seed of the choice of landmarks.

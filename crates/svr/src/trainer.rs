@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::deadline::Deadline;
-use crate::linear::{LinearRows, Target};
+use crate::linear::Target;
+use crate::linear_rows::LinearRows;
 use crate::model::Model;
 use crate::nystrom::Nystrom;
 use crate::scaler::Scaler;

@@ -231,3 +231,20 @@ fn aux_source(vehicle: &Vehicle, channels: &[Channel]) -> String {
     }
     source
 }
+
+/// Battery energy of driving at these speeds over these slopes, `step_s` apart. Backward counts as standing.
+pub(crate) fn driving_energy_j(
+    vehicle: &Vehicle,
+    step_s: f64,
+    speed_mps: &[f64],
+    slope_rad: Option<&[f64]>,
+) -> Result<f64, Error> {
+    let forward: Vec<f64> = speed_mps.iter().map(|v| v.max(0.0)).collect();
+    let energy = vehicle.trip_energy(&ev_energy::Trip {
+        step_s,
+        speed_mps: &forward,
+        slope_rad,
+        ..ev_energy::Trip::default()
+    })?;
+    Ok(energy.battery_energy_j)
+}

@@ -11,6 +11,7 @@ use std::time::Instant;
 use ev_energy::Vehicle;
 use rayon::prelude::*;
 
+use crate::energy::driving_energy_j;
 use crate::statistics::mean;
 use crate::{DriverModel, Error, ModelKind, PhaseCurve, PhaseKind, PhasePrediction, TrainingSet};
 pub use bands::BandCoverage;
@@ -275,14 +276,12 @@ fn usable(asked: &[ModelKind], units: &[HeldOut]) -> (Vec<ModelKind>, Vec<(Model
     (models, left_out)
 }
 
-/// Battery energy of driving `speed_mps` over the slope of the phase. A prediction that rolls backward counts as standing.
+/// Battery energy of driving `speed_mps` over the slope of the phase.
 fn energy_j(vehicle: &Vehicle, curve: &PhaseCurve, speed_mps: &[f64]) -> Result<f64, Error> {
-    let forward: Vec<f64> = speed_mps.iter().map(|v| v.max(0.0)).collect();
-    let energy = vehicle.trip_energy(&ev_energy::Trip {
-        step_s: curve.outline().step_s,
-        speed_mps: &forward,
-        slope_rad: curve.slope_rad(),
-        ..ev_energy::Trip::default()
-    })?;
-    Ok(energy.battery_energy_j)
+    driving_energy_j(
+        vehicle,
+        curve.outline().step_s,
+        speed_mps,
+        curve.slope_rad(),
+    )
 }

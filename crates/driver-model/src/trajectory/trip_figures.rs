@@ -2,6 +2,7 @@ use ev_energy::Vehicle;
 
 use super::Course;
 use crate::Error;
+use crate::energy::driving_energy_j;
 use crate::statistics::mean;
 
 /// How well a whole trip was predicted: the columns of Table 4.1, and two that say more.
@@ -59,11 +60,12 @@ impl TripFigures {
         let possible = predicted_mps.iter().all(|v| v.abs() <= FASTEST_MPS);
         let distance_m = |speeds: &[f64]| speeds.iter().sum::<f64>() * course.step_s;
         let moved = distance_m(measured) >= LEAST_DISTANCE_M;
+        // Predicted over the slope that was measured at the same time.
+        let slope_rad = course.slope_rad.as_deref();
+        let energy_j = |speeds: &[f64]| driving_energy_j(vehicle, course.step_s, speeds, slope_rad);
         Ok(Self {
-            measured_energy_j: energy_j(course, measured, vehicle)?,
-            energy_j: possible
-                .then(|| energy_j(course, predicted_mps, vehicle))
-                .transpose()?,
+            measured_energy_j: energy_j(measured)?,
+            energy_j: possible.then(|| energy_j(predicted_mps)).transpose()?,
             sqrt_sse_speed_mps: square_sum.sqrt() / n,
             sqrt_sse_accel_mps2: accel_square_sum.sqrt() / n,
             in_band_pct: 100.0 * inside as f64 / n,
@@ -72,18 +74,6 @@ impl TripFigures {
                 .then(|| 100.0 * (distance_m(predicted_mps) / distance_m(measured) - 1.0)),
         })
     }
-}
-
-/// Battery energy of driving at these speeds over the slope that was measured at the same time. Backward counts as standing.
-fn energy_j(course: &Course, speed_mps: &[f64], vehicle: &Vehicle) -> Result<f64, Error> {
-    let forward: Vec<f64> = speed_mps.iter().map(|v| v.max(0.0)).collect();
-    let energy = vehicle.trip_energy(&ev_energy::Trip {
-        speed_mps: &forward,
-        slope_rad: course.slope_rad.as_deref(),
-        step_s: course.step_s,
-        ..ev_energy::Trip::default()
-    })?;
-    Ok(energy.battery_energy_j)
 }
 
 /// Figures of several trips together: energies are summed, the rest are means over trips.

@@ -1,0 +1,103 @@
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+
+/// Speeds that swing by a sum of two sines: what comes next follows from the past.
+fn course(phase: f64) -> Course {
+    let speed = |i: usize| {
+        let t = 0.2 * i as f64 + phase;
+        12.0 + 4.0 * (0.3 * t).sin() + 2.0 * (0.11 * t).cos()
+    };
+    let speed_mps: Vec<f64> = (0..1500).map(speed).collect();
+    let distance_m = (0..1500).map(|i| 2.4 * f64::from(i)).collect();
+    Course {
+        name: format!("{phase}"),
+        step_s: 0.2,
+        limit_mps: None,
+        slope_rad: None,
+        speed_mps,
+        distance_m,
+    }
+}
+
+fn settings() -> DirectSettings {
+    DirectSettings {
+        horizons_s: vec![1.0, 3.0],
+        ..DirectSettings::default()
+    }
+}
+
+#[test]
+fn what_follows_from_the_past_is_predicted_and_files_keep_it() {
+    let courses: Vec<Course> = (0..6).map(|k| course(40.0 * f64::from(k))).collect();
+    let (train, test) = (courses[..5].iter().collect::<Vec<_>>(), &courses[5]);
+    for kind in DirectKind::ALL.into_iter().filter(|kind| kind.is_fitted()) {
+        let model = DirectModel::fit(kind, &train, &settings()).unwrap();
+        let origins = model.origins(test, 1.0);
+        let error = |model: &DirectModel| model.score(test, &origins).unwrap()[1].rmse_mps.unwrap();
+        let stays = DirectModel::fit(DirectKind::Persistence, &train, &settings()).unwrap();
+        assert!(
+            error(&model) < 0.8 * error(&stays),
+            "{kind}: {}",
+            error(&model)
+        );
+        assert!(
+            model.intervals_mps().all(|interval| interval.is_some()),
+            "{kind}"
+        );
+
+        let text = serde_json::to_string(&model).unwrap();
+        let read: DirectModel = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            read.predict(test, &origins).unwrap(),
+            model.predict(test, &origins).unwrap(),
+            "{kind}"
+        );
+        let broken = text.replacen("\"horizon_s\":1.0", "\"horizon_s\":-1.0", 1);
+        assert!(
+            serde_json::from_str::<DirectModel>(&broken).is_err(),
+            "{kind}"
+        );
+    }
+}
+
+#[test]
+fn baselines_are_what_they_say_and_never_negative() {
+    let mut course = course(0.0);
+    course.speed_mps = (0..1500)
+        .map(|i| (10.0 - 0.01 * f64::from(i)).max(0.0))
+        .collect();
+    let model = |kind| DirectModel::fit(kind, &[&course], &settings()).unwrap();
+    let ahead = |kind| model(kind).predict(&course, &[500, 995]).unwrap();
+    assert!((ahead(DirectKind::Persistence)[0].speed_mps[1] - 5.0).abs() < 1e-9);
+    assert!((ahead(DirectKind::ConstantAcceleration)[0].speed_mps[1] - 4.85).abs() < 1e-9);
+    assert!(ahead(DirectKind::ConstantAcceleration)[1].speed_mps[1].abs() < 1e-12);
+    let decayed = 5.0 - 0.05 * 2.0 * (1.0 - (-1.5_f64).exp());
+    assert!((ahead(DirectKind::DecayingAcceleration)[0].speed_mps[1] - decayed).abs() < 1e-9);
+}
+
+#[test]
+fn a_drive_of_another_step_or_without_limits_is_refused() {
+    let mut with_limits = course(0.0);
+    with_limits.limit_mps = Some(vec![14.0; 1500]);
+    let model = DirectModel::fit(DirectKind::Ridge, &[&with_limits], &settings()).unwrap();
+    let other = Course {
+        step_s: 1.0,
+        ..with_limits.clone()
+    };
+    assert!(matches!(
+        model.predict(&other, &[10]),
+        Err(Error::Steps { .. })
+    ));
+    assert!(matches!(
+        model.predict(&course(0.0), &[100]),
+        Err(Error::NoLimits { .. })
+    ));
+    let short = Course {
+        speed_mps: vec![1.0; 30],
+        distance_m: vec![0.0; 30],
+        ..course(0.0)
+    };
+    let too_few = DirectModel::fit(DirectKind::Ridge, &[&short], &settings());
+    assert!(matches!(too_few, Err(Error::TooFewPhases { .. })));
+}
