@@ -101,3 +101,34 @@ fn a_drive_of_another_step_or_without_limits_is_refused() {
     let too_few = DirectModel::fit(DirectKind::Ridge, &[&short], &settings());
     assert!(matches!(too_few, Err(Error::TooFewPhases { .. })));
 }
+
+/// Small enough that a byte changed at random often hits something that matters.
+fn small_file() -> (String, Course) {
+    let courses: Vec<Course> = (0..2).map(|k| course(40.0 * f64::from(k))).collect();
+    let settings = DirectSettings {
+        horizons_s: vec![1.0],
+        max_samples: 60,
+        ..DirectSettings::default()
+    };
+    let train: Vec<&Course> = courses.iter().collect();
+    let model = DirectModel::fit(DirectKind::Blend, &train, &settings).unwrap();
+    (serde_json::to_string(&model).unwrap(), course(7.0))
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]
+    #[test]
+    fn a_changed_byte_of_a_file_is_an_error_or_harmless(places in proptest::collection::vec((0.0..1.0f64, 32..127u8), 1..4)) {
+        static FILE: std::sync::OnceLock<(String, Course)> = std::sync::OnceLock::new();
+        let (text, course) = FILE.get_or_init(small_file);
+        let mut bytes = text.clone().into_bytes();
+        for (place, byte) in places {
+            let index = (place * bytes.len() as f64) as usize;
+            bytes[index] = byte;
+        }
+        if let Ok(model) = serde_json::from_slice::<DirectModel>(&bytes) {
+            let origins = model.moments(course, 30.0);
+            let _ = model.score(course, &origins);
+        }
+    }
+}
