@@ -10,6 +10,7 @@
 
 mod degenerate;
 mod equivalence;
+mod least_squares;
 mod model_file;
 mod optimality;
 mod problem;
