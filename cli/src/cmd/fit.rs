@@ -244,13 +244,10 @@ impl FitArgs {
     ) -> anyhow::Result<Fitted> {
         let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
         let courses: Vec<&Course> = courses.iter().flatten().collect();
-        let mut settings = DirectSettings {
+        let settings = DirectSettings {
             slope_ahead: self.slope_ahead,
-            ..DirectSettings::default()
+            ..DirectSettings::at(&self.horizons)
         };
-        settings.horizons_s.clone_from(&self.horizons);
-        settings.horizons_s.sort_by(f64::total_cmp);
-        settings.horizons_s.dedup();
         let model = DirectModel::fit(kind, &courses, &settings)?;
         Ok(Fitted {
             phases: courses.len(),

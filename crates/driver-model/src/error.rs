@@ -80,6 +80,16 @@ pub enum Error {
     /// A method that needs the whole log, asked of a stream.
     #[error("only SWAB segments a stream; the other methods need the whole log")]
     MethodOfStream,
+    /// There is not enough to learn the speed ahead from.
+    #[error(
+        "the speed ahead: {found} moments to learn from, at least {needed} needed; add drives, or ask for shorter horizons"
+    )]
+    TooFewMoments {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+    },
     /// A model needs speed limits and the log has none.
     #[error(
         "{log}: no speed limits, which this model needs; give logs with a column such as speed_limit_kmh"

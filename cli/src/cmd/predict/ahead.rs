@@ -1,7 +1,7 @@
 //! The speed of the next seconds, moment by moment.
 
 use anyhow::bail;
-use driver_model::trajectory::{Course, DirectModel};
+use driver_model::trajectory::{Course, DirectModel, HorizonScore};
 use serde::Serialize;
 
 use crate::render::table::{Table, number};
@@ -14,19 +14,7 @@ pub(super) struct Entry<'a> {
     name: &'a str,
     /// Moments predicted from, on the clock of the drive's start.
     moments_s: Vec<f64>,
-    horizons: Vec<HorizonEntry>,
-}
-
-#[derive(Serialize)]
-struct HorizonEntry {
-    horizon_s: f64,
-    /// Half width of the prediction interval.
-    interval_mps: Option<f64>,
-    speed_mps: Vec<f64>,
-    /// `null` where the drive is over by then.
-    measured_mps: Vec<Option<f64>>,
-    rmse_mps: Option<f64>,
-    inside_pct: Option<f64>,
+    horizons: Vec<HorizonScore>,
 }
 
 /// `horizons_s` picks some of the model's; empty is all.
@@ -54,17 +42,7 @@ pub(super) fn predict<'a>(
         .map(|course| {
             let origins = model.moments(course, STEP_S);
             let scored = model.score(course, &origins)?;
-            let horizons = scored
-                .into_iter()
-                .filter(|score| wanted(score.horizon_s))
-                .map(|score| HorizonEntry {
-                    horizon_s: score.horizon_s,
-                    interval_mps: score.interval_mps,
-                    rmse_mps: score.rmse_mps,
-                    inside_pct: score.inside_pct,
-                    speed_mps: score.speed_mps,
-                    measured_mps: score.measured_mps,
-                });
+            let horizons = scored.into_iter().filter(|score| wanted(score.horizon_s));
             Ok(Entry {
                 name: &course.name,
                 moments_s: origins

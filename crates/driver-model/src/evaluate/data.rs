@@ -25,14 +25,7 @@ impl<'a> EvaluationData<'a> {
     /// Trips with the same name of unit (a file, a driver) are held out together; `unit_names` has one for every trip.
     #[must_use]
     pub fn by_unit(trips: &'a [Trip], unit_names: &[String]) -> Self {
-        let mut units: Vec<String> = Vec::new();
-        let mut number_of = |name: &String| {
-            units.iter().position(|u| u == name).unwrap_or_else(|| {
-                units.push(name.clone());
-                units.len() - 1
-            })
-        };
-        let unit_of = unit_names.iter().map(&mut number_of).collect();
+        let (units, unit_of) = numbered(unit_names);
         Self {
             units,
             unit_of,
@@ -114,4 +107,20 @@ impl<'a> EvaluationData<'a> {
         }
         Ok(())
     }
+}
+
+/// The different names in order of their first mention, and which of them each is.
+pub(crate) fn numbered(names: &[String]) -> (Vec<String>, Vec<usize>) {
+    let mut different: Vec<String> = Vec::new();
+    let number_of = |name: &String| {
+        different
+            .iter()
+            .position(|known| known == name)
+            .unwrap_or_else(|| {
+                different.push(name.clone());
+                different.len() - 1
+            })
+    };
+    let numbers = names.iter().map(number_of).collect();
+    (different, numbers)
 }

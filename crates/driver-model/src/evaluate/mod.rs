@@ -16,6 +16,7 @@ use crate::statistics::mean;
 use crate::{DriverModel, Error, ModelKind, PhaseCurve, PhaseKind, PhasePrediction, TrainingSet};
 pub use bands::BandCoverage;
 pub use data::EvaluationData;
+pub(crate) use data::numbered;
 pub use learning_curve::{LearningPoint, TrainingSource, learning_curve};
 pub use paired::{PairedComparison, Verdict};
 use summary::summarise;

@@ -1,4 +1,4 @@
-use drive_log::DriveLog;
+use drive_log::{Drive, DriveLog};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -9,6 +9,7 @@ use super::summary::FreeRunSummary;
 use super::{FreeRunScore, TripDriver};
 use crate::Error;
 use crate::energy::slope_rad;
+use crate::evaluate::numbered;
 
 /// Logs that are held out together, such as those of one trip.
 #[derive(Debug, Clone)]
@@ -17,6 +18,23 @@ pub struct FreeRunGroup<'a> {
     pub name: String,
     /// Its logs.
     pub logs: Vec<&'a DriveLog>,
+}
+
+impl<'a> FreeRunGroup<'a> {
+    /// Drives with the same name of unit are a group; `unit_names` has one for every drive.
+    #[must_use]
+    pub fn by_unit(drives: impl Iterator<Item = &'a Drive>, unit_names: &[String]) -> Vec<Self> {
+        let (names, unit_of) = numbered(unit_names);
+        let empty = |name| Self {
+            name,
+            logs: Vec::new(),
+        };
+        let mut groups: Vec<Self> = names.into_iter().map(empty).collect();
+        for (drive, unit) in drives.zip(unit_of) {
+            groups[unit].logs.extend(&drive.pieces);
+        }
+        groups
+    }
 }
 
 /// What is predicted and compared.

@@ -9,6 +9,7 @@ use super::{
     TripFigures, TripSummary,
 };
 use crate::Error;
+use crate::evaluate::numbered;
 
 /// Drives of an evaluation, in units that are held out together.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,24 +26,16 @@ impl TrajectoryData {
     /// Takes the drives of every log; logs with the same name of unit are held out together.
     #[must_use]
     pub fn new(courses_of_logs: Vec<Vec<Course>>, unit_names: &[String]) -> Self {
-        let mut data = Self {
-            courses: Vec::new(),
-            unit_of: Vec::new(),
-            units: Vec::new(),
-        };
-        for (courses, name) in courses_of_logs.into_iter().zip(unit_names) {
-            let unit = data
-                .units
-                .iter()
-                .position(|unit| unit == name)
-                .unwrap_or_else(|| {
-                    data.units.push(name.clone());
-                    data.units.len() - 1
-                });
-            data.unit_of.extend(courses.iter().map(|_| unit));
-            data.courses.extend(courses);
+        let (units, unit_of_log) = numbered(unit_names);
+        let counts = courses_of_logs.iter().map(Vec::len);
+        let unit_of = unit_of_log.iter().zip(counts);
+        Self {
+            unit_of: unit_of
+                .flat_map(|(&unit, n)| std::iter::repeat_n(unit, n))
+                .collect(),
+            courses: courses_of_logs.into_iter().flatten().collect(),
+            units,
         }
-        data
     }
 }
 

@@ -20,3 +20,6 @@ pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
 pub use kind::DirectKind;
 pub use trial::{FittedTrial, Trial, TrialSettings};
 pub use trip_figures::{TripFigures, TripSummary};
+
+/// Memory of the kernel rows of one fit; as many fits run at once as there are threads.
+const FIT_MEMORY_BYTES: usize = 400_000_000;

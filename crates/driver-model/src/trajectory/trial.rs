@@ -14,8 +14,11 @@
 
 use svr::{Fit, Kernel, Penalty, Response, Samples, Scaling, Settings};
 
-use super::Course;
+use super::{Course, FIT_MEMORY_BYTES};
 use crate::Error;
+
+/// Fewer samples teach nothing.
+const LEAST_SAMPLES: usize = 8;
 
 /// One of the five trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -105,6 +108,7 @@ impl Trial {
             } else {
                 Scaling::None
             },
+            memory_limit_bytes: FIT_MEMORY_BYTES,
             ..Settings::default()
         }
     }
@@ -120,7 +124,7 @@ impl Trial {
     /// Fits the trial to drives with speed limits.
     ///
     /// # Errors
-    /// [`Error::NoLimits`] for a drive without, [`Error::TooFewPhases`] where there is hardly a sample, and what the
+    /// [`Error::NoLimits`] for a drive without, [`Error::TooFewMoments`] where there is hardly a sample, and what the
     /// regression refuses.
     pub fn fit(self, courses: &[&Course], settings: &TrialSettings) -> Result<FittedTrial, Error> {
         let past = self.past_speeds(settings);
@@ -129,7 +133,7 @@ impl Trial {
             .iter()
             .map(|course| course.len().saturating_sub(past))
             .sum();
-        let most = settings.max_samples.max(8);
+        let most = settings.max_samples.max(LEAST_SAMPLES);
         let mut seen = 0;
         for course in courses {
             let limits = Limits::of(course, settings.window_s)?;
@@ -142,12 +146,10 @@ impl Trial {
                 }
             }
         }
-        if responses.len() < 8 {
-            return Err(Error::TooFewPhases {
-                model: "trial",
+        if responses.len() < LEAST_SAMPLES {
+            return Err(Error::TooFewMoments {
                 found: responses.len(),
-                needed: 8,
-                unit: "samples",
+                needed: LEAST_SAMPLES,
             });
         }
         let d = rows.len() / responses.len();

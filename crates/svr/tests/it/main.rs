@@ -15,4 +15,5 @@ mod model_file;
 mod optimality;
 mod problem;
 mod reference;
+mod refusals;
 mod search;

@@ -25,7 +25,7 @@ pub(super) fn evaluate(
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
 ) -> anyhow::Result<Option<FreeRuns>> {
-    let groups = groups(inputs, units);
+    let groups = FreeRunGroup::by_unit(inputs.iter().map(|input| &input.drive), units);
     let with = |knowledge| {
         let settings = FreeRunSettings {
             knowledge,
@@ -43,21 +43,6 @@ pub(super) fn evaluate(
     Ok(expected
         .zip(known)
         .map(|(expected, known)| FreeRuns { expected, known }))
-}
-
-fn groups<'a>(inputs: &'a [Input], units: &[String]) -> Vec<FreeRunGroup<'a>> {
-    let mut groups: Vec<FreeRunGroup<'a>> = Vec::new();
-    for (input, name) in inputs.iter().zip(units) {
-        let logs = input.drive.pieces.iter();
-        match groups.iter_mut().find(|group| group.name == *name) {
-            Some(group) => group.logs.extend(logs),
-            None => groups.push(FreeRunGroup {
-                name: name.clone(),
-                logs: logs.collect(),
-            }),
-        }
-    }
-    groups
 }
 
 /// The longest trip that was compared, measured and as the driver of its fold drives it, second by second.

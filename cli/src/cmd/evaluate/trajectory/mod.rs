@@ -93,18 +93,15 @@ impl EvaluateArgs {
 
     fn trajectory_settings(&self) -> anyhow::Result<TrajectorySettings> {
         let mut settings = TrajectorySettings {
+            direct: DirectSettings {
+                slope_ahead: self.trajectory.slope_ahead,
+                max_samples: self.trajectory.max_samples,
+                ..DirectSettings::at(&self.trajectory.horizons)
+            },
             folds: self.trajectory.folds,
             band_mps: self.band_kmh() / 3.6,
             ..TrajectorySettings::default()
         };
-        settings
-            .direct
-            .horizons_s
-            .clone_from(&self.trajectory.horizons);
-        settings.direct.horizons_s.sort_by(f64::total_cmp);
-        settings.direct.horizons_s.dedup();
-        settings.direct.slope_ahead = self.trajectory.slope_ahead;
-        settings.direct.max_samples = self.trajectory.max_samples;
         settings.trials.max_samples = self.trajectory.max_samples;
         if !self.models.is_empty() {
             let named: anyhow::Result<Vec<DirectKind>> = self

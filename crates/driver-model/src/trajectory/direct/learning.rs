@@ -15,7 +15,7 @@ impl DirectModel {
     /// every third drive, predicted from the others.
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] where there is not enough to learn from, [`Error::Option`] for settings out of range,
+    /// [`Error::TooFewMoments`] where there is not enough to learn from, [`Error::Option`] for settings out of range,
     /// [`Error::Steps`] for drives of different sampling intervals, and what the regressions refuse.
     pub fn fit(
         kind: DirectKind,
@@ -35,7 +35,7 @@ impl DirectModel {
             match Self::fit_points(kind, &third(false), settings) {
                 Ok(part) => model.calibrate(&part, &third(true), settings.coverage)?,
                 // Too few drives for intervals.
-                Err(Error::TooFewPhases { .. }) => {}
+                Err(Error::TooFewMoments { .. }) => {}
                 Err(error) => return Err(error),
             }
         }
@@ -168,11 +168,9 @@ impl Training {
             .collect();
         let total: usize = origins.iter().map(Vec::len).sum();
         if total < LEAST_SAMPLES {
-            return Err(Error::TooFewPhases {
-                model: "trajectory",
+            return Err(Error::TooFewMoments {
                 found: total,
                 needed: LEAST_SAMPLES,
-                unit: "moments with enough past and future",
             });
         }
         let most = settings.max_samples.max(LEAST_SAMPLES);

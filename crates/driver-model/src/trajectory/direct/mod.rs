@@ -91,7 +91,7 @@ pub struct SpeedAhead {
 }
 
 /// Predictions at one horizon beside what was measured.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HorizonScore {
     /// Seconds ahead.
     pub horizon_s: f64,

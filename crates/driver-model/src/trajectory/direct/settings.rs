@@ -29,6 +29,18 @@ impl Default for DirectSettings {
 }
 
 impl DirectSettings {
+    /// At these horizons, in any order; the rest by default.
+    #[must_use]
+    pub fn at(horizons_s: &[f64]) -> Self {
+        let mut horizons_s = horizons_s.to_vec();
+        horizons_s.sort_by(f64::total_cmp);
+        horizons_s.dedup();
+        Self {
+            horizons_s,
+            ..Self::default()
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), Error> {
         let longest = self.horizons_s.iter().copied().fold(0.0, f64::max);
         Error::unless_at_least(

@@ -99,7 +99,7 @@ fn a_drive_of_another_step_or_without_limits_is_refused() {
         ..course(0.0)
     };
     let too_few = DirectModel::fit(DirectKind::Ridge, &[&short], &settings());
-    assert!(matches!(too_few, Err(Error::TooFewPhases { .. })));
+    assert!(matches!(too_few, Err(Error::TooFewMoments { .. })));
 }
 
 /// Small enough that a byte changed at random often hits something that matters.
