@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::cmd;
 use crate::flags::Global;
 
-/// Driver models from recorded drives, and what driving costs in energy.
+/// Driver models from recorded drives, what driving costs in energy, and safe controllers for robots.
 #[derive(Debug, Parser)]
 #[command(
     name = "drivekit",
@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Synth(cmd::synth::SynthArgs),
     #[command(subcommand)]
     Vehicle(cmd::vehicle::VehicleCommand),
+    #[command(subcommand)]
+    Ctrl(cmd::ctrl::CtrlCommand),
     Completions(cmd::completions::CompletionsArgs),
     Man(cmd::man::ManArgs),
 }

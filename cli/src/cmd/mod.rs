@@ -3,6 +3,7 @@
 pub(crate) mod calibrate;
 pub(crate) mod completions;
 pub(crate) mod courses;
+pub(crate) mod ctrl;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod fit;
@@ -34,6 +35,7 @@ pub(crate) fn run(command: &Command, context: &Context) -> anyhow::Result<Outcom
         Command::Evaluate(args) => evaluate::run(args, context),
         Command::Synth(args) => synth::run(args, context),
         Command::Vehicle(command) => vehicle::run(command, context),
+        Command::Ctrl(command) => ctrl::run(command, context),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     }

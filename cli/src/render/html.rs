@@ -161,6 +161,56 @@ pub(crate) const TRAJECTORY: Page = Page {
     ),
 };
 
+/// For the schema `drivekit/ctrl-run/1`: the run played, barriers, Lyapunov functions, ways, steps and their time.
+pub(crate) const CONTROL: Page = Page {
+    command: "ctrl run",
+    title: "Robots in a lane",
+    contents: &[
+        ("view", "The run"),
+        ("barriers", "Barriers"),
+        ("lyapunov", "Lyapunov functions"),
+        ("path", "Ways driven"),
+        ("programme", "Quadratic program"),
+        ("loop", "Control loop"),
+    ],
+    sections: include_str!("report/ctrl.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/canvas.js"),
+        include_str!("report/chart.js"),
+        include_str!("report/ctrl-data.js"),
+        include_str!("report/ctrl-scene.js"),
+        include_str!("report/ctrl-view.js"),
+        include_str!("report/ctrl-charts.js"),
+        include_str!("report/ctrl-barriers.js"),
+        include_str!("report/ctrl-path.js"),
+        include_str!("report/ctrl-programme.js"),
+        include_str!("report/ctrl.js"),
+    ),
+};
+
+/// For the schema `drivekit/ctrl-campaign/1`: unsafe runs, margins, scenarios and violations.
+pub(crate) const CAMPAIGN: Page = Page {
+    command: "ctrl campaign",
+    title: "Campaign of runs",
+    contents: &[
+        ("totals", "Unsafe runs"),
+        ("margins", "Margins"),
+        ("scenarios", "Scenarios"),
+        ("violations", "Violations"),
+    ],
+    sections: include_str!("report/campaign.html"),
+    script: concat!(
+        include_str!("report/base.js"),
+        include_str!("report/page.js"),
+        include_str!("report/tables.js"),
+        include_str!("report/chart.js"),
+        include_str!("report/campaign.js"),
+    ),
+};
+
 impl Page {
     /// The page for a document, drawn by its own script from the document inside it. Keys that the document lacks are named
     /// on the page.
@@ -206,13 +256,15 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [Page; 6] = [
+    const PAGES: [Page; 8] = [
         EVALUATION,
         SEGMENTATION,
         ENERGY,
         CALIBRATION,
         PORTRAIT,
         TRAJECTORY,
+        CONTROL,
+        CAMPAIGN,
     ];
 
     /// What a browser takes for the content of the data element.
@@ -253,6 +305,8 @@ mod tests {
             json!({ "models": 3, "phases": { "0": null } }),
             json!({ "totals": [null, { "budget": 1 }], "logs": { "curve": [] } }),
             json!({ "parameters": [[], { "ci95": "all" }], "correlation": { "keys": 2 } }),
+            json!({ "figures": { "time_s": "all", "robots": [null] }, "events": [0] }),
+            json!({ "totals": 0, "histograms": [{ "headway_mm": [] }], "violations": "none" }),
         ] {
             for page in PAGES.map(|page| page.filled(&document)) {
                 assert!(
@@ -316,12 +370,34 @@ mod tests {
             "findings",
             "provenance",
         ];
+        let control = [
+            "headline",
+            "view",
+            "barriers",
+            "lyapunov",
+            "path",
+            "programme",
+            "loop",
+            "findings",
+            "provenance",
+        ];
+        let campaign = [
+            "headline",
+            "totals",
+            "margins",
+            "scenarios",
+            "violations",
+            "findings",
+            "provenance",
+        ];
         for (page, sections) in [
             (EVALUATION.filled(&json!({})), &evaluation[..]),
             (SEGMENTATION.filled(&json!({})), &segmentation),
             (ENERGY.filled(&json!({})), &energy),
             (CALIBRATION.filled(&json!({})), &calibration),
             (PORTRAIT.filled(&json!({})), &portrait),
+            (CONTROL.filled(&json!({})), &control),
+            (CAMPAIGN.filled(&json!({})), &campaign),
         ] {
             let place = |id: &&str| {
                 page.find(&format!("id=\"{id}\""))

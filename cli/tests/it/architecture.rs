@@ -3,15 +3,25 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const ALLOWED: [(&str, &[&str]); 6] = [
+const ALLOWED: [(&str, &[&str]); 8] = [
     ("drive-log", &[]),
     ("tseg", &[]),
     ("ev-energy", &[]),
     ("svr", &[]),
     ("driver-model", &["drive-log", "ev-energy", "svr", "tseg"]),
+    ("unicycle-cbf", &[]),
+    ("testbed-io", &["unicycle-cbf"]),
     (
         "drivekit",
-        &["drive-log", "driver-model", "ev-energy", "svr", "tseg"],
+        &[
+            "drive-log",
+            "driver-model",
+            "ev-energy",
+            "svr",
+            "testbed-io",
+            "tseg",
+            "unicycle-cbf",
+        ],
     ),
 ];
 

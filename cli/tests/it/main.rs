@@ -12,6 +12,7 @@ mod architecture;
 mod bad_input;
 mod browser;
 mod calibrate;
+mod ctrl;
 mod documents;
 mod energy;
 mod evaluate;

@@ -42,6 +42,8 @@ function fixed(value, digits) {
 
 const signed = (value, digits) => (Number(fixed(value, digits).replace(/\u202f/g, '')) > 0 ? '+' : '') + fixed(value, digits);
 const quantity = (value, digits, unit) => `${fixed(value, digits)}\u00a0${unit}`;
+const significant = (value) => (Number.isFinite(value) ? String(Number(value.toPrecision(3))) : '–');
+const scientific = (value) => (Number.isFinite(value) ? value.toExponential(1).replaceAll('-', '\u2212') : '–');
 const plural = (count, noun) => `${fixed(count, 0)} ${noun}${count === 1 ? '' : 's'}`;
 
 function clock(seconds) {
@@ -100,6 +102,17 @@ function ticks(low, high, count) {
     const value = (first + index) * step;
     return { value, label: fixed(value, digits) };
   });
+}
+
+/** The first index whose time is not before `timeS`. */
+function indexAt(times, timeS) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < timeS) low = middle + 1;
+    else high = middle;
+  }
+  return low;
 }
 
 const linear = (low, high, from, to) => (value) => from + ((value - low) / (high - low || 1)) * (to - from);

@@ -20,14 +20,17 @@ function chartFrame(width, height, x, y, left = CHART.left) {
 }
 
 /** The line of a tick; the zero stands out where values lie on both sides of it. */
-const gridLine = (value, { low }, x1, x2, y1, y2) =>
-  svg('line', { class: value === 0 && low < 0 ? 'zero' : 'grid', x1, x2, y1, y2 });
+const gridLine = (value, { low, isLog }, x1, x2, y1, y2) =>
+  svg('line', { class: value === 0 && low < 0 && !isLog ? 'zero' : 'grid', x1, x2, y1, y2 });
 
 /** Where the label of a tick goes: in the middle under it, but never past the right edge. */
 const labelPlace = (x, edge) => (x > edge - 30 ? { x: edge, 'text-anchor': 'end' } : { x, 'text-anchor': 'middle' });
 
+/** The ticks of an axis: `marks` of its own, or those of a linear one. */
+const marksOf = ({ low, high, marks }, count) => marks ?? ticks(low, high, count);
+
 function axisAlong({ box, x, range }) {
-  const marks = ticks(range.x.low, range.x.high, Math.max(3, (box.right - box.left) / 60));
+  const marks = marksOf(range.x, Math.max(3, (box.right - box.left) / 60));
   const along = ({ value, label }) => [
     gridLine(value, range.x, x(value), x(value), box.top, box.bottom),
     svg('text', { ...labelPlace(x(value), box.right + CHART.right), y: box.bottom + 16 }, label),
@@ -36,12 +39,37 @@ function axisAlong({ box, x, range }) {
 }
 
 function axisUp({ box, y, range }) {
-  const marks = ticks(range.y.low, range.y.high, Math.max(3, (box.bottom - box.top) / 38));
+  const marks = marksOf(range.y, Math.max(3, (box.bottom - box.top) / 38));
   const across = ({ value, label }) => [
     gridLine(value, range.y, box.left, box.right, y(value), y(value)),
     svg('text', { x: box.left - 6, y: y(value) + 4, 'text-anchor': 'end' }, label),
   ];
   return [...marks.flatMap(across), svg('text', { x: 0, y: 12 }, range.y.unit)];
+}
+
+function extent(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return { low, high };
+}
+
+/** From the least to the most of some values, with a share of that around them. */
+function rangeOf(values, pad = 0.04) {
+  const { low, high } = extent(values);
+  if (!(high >= low)) return { low: 0, high: 1 };
+  const margin = (high - low || 1) * pad;
+  return { low: low - margin, high: high + margin };
+}
+
+function nearestIndex(places, wanted) {
+  let nearest = 0;
+  places.forEach((place, index) => {
+    if (Math.abs(place - wanted) < Math.abs(places[nearest] - wanted)) nearest = index;
+  });
+  return nearest;
 }
 
 function picture({ width, height }, label, nodes) {
@@ -64,6 +92,23 @@ function lineNode(points, { x, y, range }, { colour, kind = 'solid', width = 1.7
   }
   const attributes = { d, fill: 'none', 'stroke-width': width, 'stroke-linejoin': 'round', 'stroke-dasharray': DASHES[kind] };
   return coloured(svg('path', attributes), 'stroke', colour);
+}
+
+/** At most two points a pixel: the least and the most of each stretch. Where nothing is known there is a gap. */
+function thinned(places, values, width) {
+  const stride = Math.max(1, Math.floor(values.length / Math.max(2 * width, 1)));
+  const points = [];
+  for (let start = 0; start < values.length; start += stride) {
+    let [least, most] = [-1, -1];
+    for (let i = start; i < Math.min(start + stride, values.length); i += 1) {
+      if (Number.isNaN(values[i])) continue;
+      if (least < 0 || values[i] < values[least]) least = i;
+      if (most < 0 || values[i] > values[most]) most = i;
+    }
+    if (least < 0) points.push([NaN, NaN]);
+    else for (const i of new Set(least < most ? [least, most] : [most, least])) points.push([places[i], values[i]]);
+  }
+  return points;
 }
 
 /** The area between two curves over the same places, cut off at the axes. */
@@ -106,6 +151,8 @@ function strokeSample(colour, kind = 'solid') {
 
 /** What the lines and areas of a picture are: pairs of a sample and its name. */
 const legendOf = (entries) => el('p', { class: 'legend entries' }, ...entries.map(([sample, name]) => el('span', {}, sample, name)));
+const lineEntries = (lines) => lines.map(({ name, colour, kind }) => [strokeSample(colour, kind), name]);
+const lineLegend = (lines) => legendOf(lineEntries(lines));
 
 /** A picture that tells the values under the pointer: `describe(x, y)`, in the units of the axes, gives a title and lines. */
 function hoverable(frame, drawn, describe) {
@@ -134,6 +181,18 @@ function hoverable(frame, drawn, describe) {
     tooltip.hidden = true;
   });
   return node;
+}
+
+/** Some lines over places that they share or have of their own; the values beyond the axis lie at its edge. `under` and
+ * `over` draw behind and in front, given the frame. */
+function linePicture({ label, lines, x, y, told, under = () => [], over = () => [] }, width) {
+  const frame = chartFrame(width, Math.max(220, Math.round(width * 0.3)), x, y);
+  const inside = (value) => Math.min(Math.max(value, y.low), y.high);
+  const nodes = lines.map((line) => {
+    const points = thinned(line.places, line.values, frame.box.right - frame.box.left);
+    return lineNode(points.map(([at, value]) => [at, inside(value)]), frame, line);
+  });
+  return hoverable(frame, picture(frame, label, [...frame.axes, ...under(frame), ...nodes, ...over(frame)]), told);
 }
 
 /** A section without data: one line, without the words that explain its figures. */

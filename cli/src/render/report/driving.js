@@ -96,7 +96,7 @@ function followingFigure({ label, timeS, gap, predictions }, width) {
     ...{ width, timeS: timeS.map((time) => time - from), lines, unit: 'm', digits: 1, along: 's since the stretch began' },
     also: [0],
   });
-  return [chart, legendOf(lineLegend(lines)), el('figcaption', {}, caption)];
+  return [chart, lineLegend(lines), el('figcaption', {}, caption)];
 }
 
 function stretchFigure(stretches) {

@@ -1,27 +1,8 @@
 // ---------------------------------------------------------------- one phase over time
 
-function rangeOf(values, pad = 0.04) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  if (!(high >= low)) return { low: 0, high: 1 };
-  const margin = (high - low || 1) * pad;
-  return { low: low - margin, high: high + margin };
-}
-
 const timesOf = ({ measured, stepS }) => Array.from(measured, (_, index) => index * stepS);
 
 const zipped = (places, values) => places.map((place, index) => [place, number(values[index])]);
-
-function nearestIndex(places, wanted) {
-  let nearest = 0;
-  places.forEach((place, index) => {
-    if (Math.abs(place - wanted) < Math.abs(places[nearest] - wanted)) nearest = index;
-  });
-  return nearest;
-}
 
 /** Lines over time with their values under the pointer. `under` and `over` draw behind and in front, given the frame; `also`
  * has further values that the upright axis must show. */
@@ -37,8 +18,6 @@ function timeChart({ label, width, timeS, lines, unit, digits, along, also = [],
     return [quantity(timeS[index], 1, 's'), [...told, ...remarks(index)]];
   });
 }
-
-const lineLegend = (lines) => lines.map(({ name, colour, kind }) => [strokeSample(colour, kind), name]);
 
 function phaseName(phase) {
   const group = phase.group === '' ? '' : `, ${phase.group}\u00a0km/h`;

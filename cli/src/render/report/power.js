@@ -49,17 +49,6 @@ const showAll = (chart) => viewTime(chart, chart.all.from, chart.all.to);
 
 // ---------------------------------------------------------------- drawing
 
-/** The first index whose time is not before `timeS`. */
-function indexAt(times, timeS) {
-  let [low, high] = [0, times.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] < timeS) low = middle + 1;
-    else high = middle;
-  }
-  return low;
-}
-
 /** Indices from the sample before the view to the one after it. */
 function shownRange({ entry, view }) {
   const { timeS } = entry.curve;

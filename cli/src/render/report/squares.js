@@ -39,7 +39,7 @@ function methodsFigure(report, { phase, squares }, width) {
     label: `Measured speed of a phase and that of both methods. ${caption}`,
     ...{ width, timeS: timesOf(phase), lines, unit: 'km/h', digits: 1, along: 's since the phase began' },
   });
-  return [chart, legendOf(lineLegend(lines)), el('figcaption', {}, caption)];
+  return [chart, lineLegend(lines), el('figcaption', {}, caption)];
 }
 
 /** Bins from 0 that hold nine phases of ten and both means. */

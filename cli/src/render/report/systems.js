@@ -102,7 +102,7 @@ function systemFigure(phase, system, width) {
     over: constructionNodes(phase, system),
   });
   const ring = coloured(el('span', { 'aria-hidden': 'true' }, '○ '), 'color', '--braking');
-  const legend = legendOf([...lineLegend(lines), [strokeSample('--braking'), 'tangent'], [ring, 'transition point']]);
+  const legend = legendOf([...lineEntries(lines), [strokeSample('--braking'), 'tangent'], [ring, 'transition point']]);
   return [chart, legend, el('figcaption', {}, caption)];
 }
 

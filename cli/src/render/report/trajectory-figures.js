@@ -20,7 +20,7 @@ function timeFigure(drive, { title, caption, lines, y, digits = 1 }, view, width
     const row = ({ name, values }) => `${name} ${quantity(values[index], digits, y.unit)}`;
     return [clock(index * drive.stepS), lines.map(row)];
   };
-  return [speedPicture({ label: `${title}. ${caption}`, lines: shown, x, y, told }, width), lineLegend(lines)];
+  return [linePicture({ label: `${title}. ${caption}`, lines: shown, x, y, told }, width), lineLegend(lines)];
 }
 
 // ---------------------------------------------------------------- predictions

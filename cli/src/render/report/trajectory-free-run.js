@@ -90,7 +90,7 @@ function freeRunFigure(run, freeRun, { title, places, unit, where }) {
   const label = `${title} of ${run.name}, measured and predicted.`;
   const body = el('div');
   const node = el('figure', {}, el('h3', {}, title), body, lineLegend(lines), el('figcaption', {}, freeRunCaption(run, freeRun)));
-  return { node, draw: () => body.replaceChildren(speedPicture({ label, lines, x, y, told }, chartWidth(body))) };
+  return { node, draw: () => body.replaceChildren(linePicture({ label, lines, x, y, told }, chartWidth(body))) };
 }
 
 function freeRunSection({ freeRun, curves }) {

@@ -83,9 +83,6 @@ const SOLVED = [
   { label: 'Time', unit: 's', value: (fit) => fixed(number(fit.seconds), 2) },
 ];
 
-const significant = (value) => (Number.isFinite(value) ? String(Number(value.toPrecision(3))) : '–');
-const scientific = (value) => (Number.isFinite(value) ? value.toExponential(1).replaceAll('-', '\u2212') : '–');
-
 function solvedTable(trials) {
   const titles = SOLVED.map(({ label, unit }) => el('th', { scope: 'col' }, label, el('small', {}, unit ?? '')));
   const head = el('tr', {}, heading('Trial, fold', 'text corner'), ...titles);

@@ -1,0 +1,5 @@
+//! `ctrl`, which is `drivekit ctrl`
+
+fn main() -> std::process::ExitCode {
+    drivekit::ctrl()
+}

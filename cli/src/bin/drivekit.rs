@@ -1,0 +1,5 @@
+//! `drivekit`
+
+fn main() -> std::process::ExitCode {
+    drivekit::drivekit()
+}

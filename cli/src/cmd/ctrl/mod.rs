@@ -1,0 +1,38 @@
+//! Robots: scenarios in simulation, run logs once more, campaigns, and single states explained.
+
+mod campaign;
+mod explain;
+mod replay;
+mod run;
+mod scenario;
+
+use clap::Subcommand;
+
+use crate::exit::Outcome;
+use crate::flags::Context;
+
+/// Controllers that keep robots in their lane and behind their leader
+#[derive(Debug, Subcommand)]
+#[command(after_help = "\
+Examples:
+  drivekit ctrl run --report run.html                             the thesis's first experiment, with pictures
+  drivekit ctrl run --preset hardened --disturb all --seed 7      noise, latency, lost poses, wrong wheels
+  drivekit ctrl campaign --runs 10000                             does it ever fail?
+  drivekit ctrl replay run.parquet                                every decision once more, bit for bit
+
+`ctrl …` is the same as `drivekit ctrl …`.")]
+pub(crate) enum CtrlCommand {
+    Run(run::RunArgs),
+    Replay(replay::ReplayArgs),
+    Campaign(campaign::CampaignArgs),
+    Explain(explain::ExplainArgs),
+}
+
+pub(crate) fn run(command: &CtrlCommand, context: &Context) -> anyhow::Result<Outcome> {
+    match command {
+        CtrlCommand::Run(args) => run::run(args, context),
+        CtrlCommand::Replay(args) => replay::run(args, context),
+        CtrlCommand::Campaign(args) => campaign::run(args, context),
+        CtrlCommand::Explain(args) => explain::run(args, context),
+    }
+}

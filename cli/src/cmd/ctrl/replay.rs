@@ -1,0 +1,203 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use testbed_io::log_file;
+use testbed_io::recorded::{self, RecordingLayout};
+use testbed_io::{Replay, RunLog, Summary, Timing, scenario_of, shadow};
+use unicycle_cbf::{Preset, Scenario, Testbed};
+
+use super::scenario::{PresetName, TestbedName};
+use crate::exit::Outcome;
+use crate::flags::{Context, Format};
+use crate::output;
+use crate::render::json::Document;
+use crate::render::table::{Table, number};
+
+/// Every decision of a run log once more, or controllers beside recorded poses
+///
+/// A run log holds the poses that arrived and all settings, so that every decision is repeated and compared bit for bit; exit
+/// code 1 says that one differs. With --poses the controllers decide at every step beside robots that were recorded elsewhere
+/// and do what they did: are poses like these good enough, and what would the controllers have done?
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Examples:
+  drivekit ctrl run -o run.parquet && drivekit ctrl replay run.parquet
+  drivekit ctrl replay --poses mrclam Robot1_Groundtruth.dat Robot2_Groundtruth.dat
+  drivekit ctrl replay --poses csv --scenario mine.toml poses.csv")]
+pub(crate) struct ReplayArgs {
+    /// A run log (.parquet, .csv or .mcap), or with --poses files or a folder of recorded poses, the robots from the front
+    #[arg(value_name = "FILE", required = true)]
+    #[serde(skip)]
+    files: Vec<PathBuf>,
+    /// The files are poses recorded elsewhere, in this layout
+    #[arg(long, value_enum, value_name = "LAYOUT")]
+    poses: Option<Layout>,
+    /// Robots that the controllers take them for
+    #[arg(long, value_enum, default_value = "robotarium", requires = "poses")]
+    testbed: TestbedName,
+    /// Settings of the controllers
+    #[arg(long, value_enum, default_value = "hardened", requires = "poses")]
+    preset: PresetName,
+    /// Scenario file with path and lane; without it a circular lane is laid around the poses
+    #[arg(long, value_name = "FILE.toml", requires = "poses")]
+    scenario: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Layout {
+    /// By header and extension
+    Auto,
+    /// Groundtruth files of UTIAS MRCLAM: time x y heading
+    Mrclam,
+    /// t_s,x_m,y_m,theta_rad
+    PioneerMocap,
+    /// time_s,robot,x_m,y_m,heading_rad
+    Csv,
+}
+
+impl From<Layout> for RecordingLayout {
+    fn from(layout: Layout) -> Self {
+        match layout {
+            Layout::Auto => Self::Auto,
+            Layout::Mrclam => Self::Mrclam,
+            Layout::PioneerMocap => Self::PioneerMocap,
+            Layout::Csv => Self::Csv,
+        }
+    }
+}
+
+pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcome> {
+    match (args.poses, args.files.as_slice()) {
+        (Some(layout), files) => beside(args, files, layout.into(), context),
+        (None, [file]) => again(args, file, context),
+        (None, _) => anyhow::bail!("one run log at a time; for poses recorded elsewhere give --poses"),
+    }
+}
+
+#[derive(Serialize)]
+struct Again<'a> {
+    scenario: &'a str,
+    testbed: &'a str,
+    truncated: bool,
+    #[serde(flatten)]
+    replay: &'a Replay,
+}
+
+fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Outcome> {
+    let table = log_file::read(file)?;
+    let log = RunLog::from_table(&table)?;
+    let replay = log.replay()?;
+    let body = Again {
+        scenario: &log.spec.scenario.name,
+        testbed: &log.spec.scenario.testbed,
+        truncated: table.truncated(),
+        replay: &replay,
+    };
+    if body.truncated {
+        output::note(context, &format!("{} is cut off; what is whole was replayed", file.display()));
+    }
+    match context.format {
+        Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
+        Format::Text => output::print_text(&again_text(&replay))?,
+    }
+    Ok(if replay.different == 0 {
+        Outcome::Done
+    } else {
+        Outcome::Negative
+    })
+}
+
+fn again_text(replay: &Replay) -> String {
+    match &replay.first {
+        None => format!("{} decisions, every one the same bit for bit\n", replay.decisions),
+        Some(first) => format!(
+            "{} decisions, {} differ; the first at step {}, robot {}: {} was {}, is {}\n",
+            replay.decisions,
+            replay.different,
+            first.tick,
+            first.robot,
+            first.column,
+            first.logged,
+            first.computed
+        ),
+    }
+}
+
+#[derive(Serialize)]
+struct Beside<'a> {
+    robots: Vec<Recorded<'a>>,
+    rate_hz: f64,
+    #[serde(flatten)]
+    summary: &'a Summary,
+    r#loop: Timing,
+}
+
+#[derive(Serialize)]
+struct Recorded<'a> {
+    name: &'a str,
+    poses: usize,
+    findings: &'a [recorded::Finding],
+    outcomes: std::collections::BTreeMap<String, usize>,
+}
+
+fn beside(
+    args: &ReplayArgs,
+    files: &[PathBuf],
+    layout: RecordingLayout,
+    context: &Context,
+) -> anyhow::Result<Outcome> {
+    let recording = recorded::read_recording(files, layout)?;
+    let spec = match &args.scenario {
+        Some(file) => super::scenario::from_file(file)?.scenario,
+        None => {
+            let testbed = Testbed::from(args.testbed);
+            let preset = Preset::from(args.preset);
+            let settings = testbed.scenario("straight", preset)?.controller;
+            scenario_of(&recording, testbed, settings)?
+        }
+    };
+    let scenario = Scenario::new(spec)?;
+    let (ticks, summary) = shadow(&scenario, &recording)?;
+    let robots = recording.robots.iter().enumerate().map(|(robot, recorded)| Recorded {
+        name: &recorded.name,
+        poses: recorded.poses.len(),
+        findings: &recorded.findings,
+        outcomes: testbed_io::outcomes_of(&ticks, robot),
+    });
+    let body = Beside {
+        robots: robots.collect(),
+        rate_hz: scenario.spec().rate_hz,
+        summary: &summary,
+        r#loop: Timing::new(&ticks, scenario.controller().hold_s()),
+    };
+    match context.format {
+        Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
+        Format::Text => output::print_text(&beside_text(&body))?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn beside_text(body: &Beside) -> String {
+    let mut table = Table::new(["robot", "poses", "findings", "outcomes of the controller"]);
+    for robot in &body.robots {
+        let outcomes = robot.outcomes.iter().map(|(name, count)| format!("{name} {count}"));
+        let findings = robot.findings.iter().map(|finding| finding.detail.clone());
+        table.row([
+            robot.name.to_owned(),
+            robot.poses.to_string(),
+            findings.collect::<Vec<_>>().join("; "),
+            outcomes.collect::<Vec<_>>().join(", "),
+        ]);
+    }
+    format!(
+        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n",
+        table.render(),
+        body.summary.steps,
+        body.rate_hz,
+        number(body.r#loop.median_us, 2),
+        number(body.r#loop.p99_us, 2),
+        body.r#loop.missed
+    )
+}

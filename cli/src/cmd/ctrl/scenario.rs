@@ -1,0 +1,162 @@
+//! Which scenario: flags that run, explain and replay share.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use testbed_io::{Disturbances, Group, RunSpec};
+use unicycle_cbf::{PathSpec, Preset, Testbed};
+
+/// A built-in scenario or a file.
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Scenario")]
+pub(crate) struct ScenarioArgs {
+    /// Which robots [default: khepera]
+    #[arg(long, value_enum)]
+    pub(crate) testbed: Option<TestbedName>,
+    /// on-off, decay, track (Robotarium), straight, chain, brake, stop, or a TOML file as `ctrl run --show-config` prints it
+    #[arg(long, default_value = "on-off", value_name = "NAME|FILE.toml")]
+    pub(crate) scenario: String,
+    /// Settings of the controllers: the thesis's, or with every guard [default: thesis]
+    #[arg(long, value_enum)]
+    pub(crate) preset: Option<PresetName>,
+    /// Closed path in place of the scenario's: CSV with x and y in m, in the order of travel
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) path: Option<PathBuf>,
+}
+
+/// Robots by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum TestbedName {
+    /// Khepera III under OptiTrack, 50 Hz
+    Khepera,
+    /// Robotarium, 30 Hz
+    Robotarium,
+}
+
+impl From<TestbedName> for Testbed {
+    fn from(name: TestbedName) -> Self {
+        match name {
+            TestbedName::Khepera => Self::Khepera,
+            TestbedName::Robotarium => Self::Robotarium,
+        }
+    }
+}
+
+/// Presets by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum PresetName {
+    /// The quadratic program of the thesis, margins set by hand
+    Thesis,
+    /// With every guard
+    Hardened,
+}
+
+impl From<PresetName> for Preset {
+    fn from(name: PresetName) -> Self {
+        match name {
+            PresetName::Thesis => Self::Thesis,
+            PresetName::Hardened => Self::Hardened,
+        }
+    }
+}
+
+/// Groups of disturbances by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Disturbance {
+    /// Nothing
+    None,
+    /// Poses wrong by 3 mm and 0.5° (standard deviations)
+    Noise,
+    /// Poses 0.05 to 0.1 s late
+    Latency,
+    /// 30 % of the poses lost
+    Drops,
+    /// No poses for up to 2 s, about every 20 s
+    Outages,
+    /// Wheels and mass up to 10 % off, motors that lag by 20 ms, wheel speeds in steps of 0.1 mm/s
+    Mismatch,
+    /// All of them at once
+    All,
+}
+
+impl From<Disturbance> for Group {
+    fn from(name: Disturbance) -> Self {
+        match name {
+            Disturbance::None => Self::None,
+            Disturbance::Noise => Self::Noise,
+            Disturbance::Latency => Self::Latency,
+            Disturbance::Drops => Self::Drops,
+            Disturbance::Outages => Self::Outages,
+            Disturbance::Mismatch => Self::Mismatch,
+            Disturbance::All => Self::All,
+        }
+    }
+}
+
+/// What a run was asked for by name, for titles and figures.
+pub(crate) struct Named {
+    pub(crate) spec: RunSpec,
+    pub(crate) preset: Option<PresetName>,
+    /// Figures of the thesis that the scenario shows
+    pub(crate) figures: &'static [&'static str],
+}
+
+impl ScenarioArgs {
+    /// The scenario without disturbances, or what the file says.
+    pub(crate) fn named(&self) -> anyhow::Result<Named> {
+        let mut named = if Path::new(&self.scenario)
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        {
+            self.file()?
+        } else {
+            self.built_in()?
+        };
+        if let Some(path) = &self.path {
+            let points_m = testbed_io::read_path(path)?;
+            named.spec.scenario.path = PathSpec::Closed { points_m };
+            named.figures = &[];
+        }
+        Ok(named)
+    }
+
+    fn built_in(&self) -> anyhow::Result<Named> {
+        let testbed = Testbed::from(self.testbed.unwrap_or(TestbedName::Khepera));
+        let preset = self.preset.unwrap_or(PresetName::Thesis);
+        Ok(Named {
+            spec: RunSpec {
+                seed: 1,
+                scenario: testbed.scenario(&self.scenario, preset.into())?,
+                disturbances: Disturbances::default(),
+            },
+            preset: Some(preset),
+            figures: testbed.figures(&self.scenario),
+        })
+    }
+
+    fn file(&self) -> anyhow::Result<Named> {
+        if self.testbed.is_some() || self.preset.is_some() {
+            bail!(
+                "`{}` says which robots and settings; leave --testbed and --preset out, or name a built-in scenario",
+                self.scenario
+            );
+        }
+        Ok(Named {
+            spec: from_file(Path::new(&self.scenario))?,
+            preset: None,
+            figures: &[],
+        })
+    }
+}
+
+/// A scenario file, see `ctrl run --show-config`.
+pub(crate) fn from_file(file: &Path) -> anyhow::Result<RunSpec> {
+    let text = std::fs::read_to_string(file)
+        .with_context(|| format!("cannot read the scenario `{}`", file.display()))?;
+    toml::from_str(&text).with_context(|| format!("scenario `{}`", file.display()))
+}

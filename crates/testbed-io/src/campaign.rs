@@ -1,0 +1,304 @@
+//! Thousands of seeded runs in parallel, and which of them were unsafe.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use unicycle_cbf::{Preset, Scenario, Testbed};
+
+use crate::disturbances::{Disturbances, Group};
+use crate::error::Error;
+use crate::simulation::Simulation;
+use crate::summary::Summary;
+
+/// Violations that are listed for each preset and group of disturbances; all are counted.
+const LISTED: usize = 20;
+
+/// Widest range of a histogram, in mm.
+const HISTOGRAM_MM: f64 = 100.0;
+
+/// What a campaign runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// Scenarios by testbed and name
+    pub scenarios: Vec<(Testbed, String)>,
+    /// Which controllers
+    pub presets: Vec<Preset>,
+    /// Which disturbances
+    pub groups: Vec<Group>,
+    /// Runs for each preset and group, spread over the scenarios
+    pub runs: usize,
+    /// Length of each run, in s
+    pub duration_s: f64,
+    /// Seed of the first run; the next ones count up, the same for each preset and group
+    pub seed: u64,
+    /// Bounds of the disturbances
+    pub disturbances: Disturbances,
+}
+
+/// What a campaign found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CampaignReport {
+    /// Runs in all
+    pub runs: usize,
+    /// Simulated time, in s
+    pub simulated_s: f64,
+    /// Time that it took, in s
+    pub seconds: f64,
+    /// Simulated time per second
+    pub simulated_s_per_s: f64,
+    /// By preset and disturbance
+    pub totals: Vec<Total>,
+    /// By preset, disturbance and scenario
+    pub rows: Vec<Row>,
+    /// Distributions of the least barriers
+    pub histograms: Vec<Histograms>,
+    /// Unsafe runs, at most twenty for each preset and disturbance
+    pub violations: Vec<Violation>,
+}
+
+/// Runs of one preset under one group of disturbances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Total {
+    /// Which controller
+    pub preset: Preset,
+    /// Which disturbances
+    pub disturbance: Group,
+    /// What they came to
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// The same for one scenario.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Which controller
+    pub preset: Preset,
+    /// Which disturbances
+    pub disturbance: Group,
+    /// Which robots
+    pub testbed: &'static str,
+    /// Which scenario
+    pub scenario: String,
+    /// What they came to
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// Counts and bounds over runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tally {
+    /// Number of runs
+    pub runs: usize,
+    /// Runs with any violation
+    #[serde(rename = "unsafe")]
+    pub violations: usize,
+    /// Runs in which a robot left its lane
+    pub lane_departures: usize,
+    /// Runs with a headway below zero
+    pub headway_violations: usize,
+    /// Least headway barrier, in m
+    pub min_h_headway_m: Option<f64>,
+    /// Least distance to the edge of the lane, in m
+    pub min_lane_clearance_m: f64,
+    /// Mean speed of followers, in m/s
+    pub mean_speed_mps: f64,
+    /// Steps with relaxed rows
+    pub relaxed_pct: f64,
+    /// Steps of braking
+    pub braking_pct: f64,
+}
+
+/// Distributions over the runs of one preset under one group of disturbances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Histograms {
+    /// Which controller
+    pub preset: Preset,
+    /// Which disturbances
+    pub disturbance: Group,
+    /// Least headway barrier of each run
+    pub headway_mm: Histogram,
+    /// Least distance to the edge of the lane of each run
+    pub clearance_mm: Histogram,
+}
+
+/// Counts in bins of equal width; what lies beyond is counted in the first or the last.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Histogram {
+    /// Start of the first bin
+    pub from: f64,
+    /// Width of a bin
+    pub step: f64,
+    /// Runs per bin
+    pub counts: Vec<usize>,
+}
+
+/// An unsafe run; scenario, preset, disturbance and seed repeat it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Violation {
+    /// Which controller
+    pub preset: Preset,
+    /// Which robots
+    pub testbed: &'static str,
+    /// Which scenario
+    pub scenario: String,
+    /// Which disturbances
+    pub disturbance: Group,
+    /// Of the run
+    pub seed: u64,
+    /// When it became unsafe, in s
+    pub first_unsafe_s: Option<f64>,
+    /// Least headway barrier, in m
+    pub min_h_headway_m: Option<f64>,
+    /// Least distance to the edge of the lane, in m
+    pub lane_clearance_m: f64,
+}
+
+impl Campaign {
+    /// Runs everything, `done` being called after each run from any thread.
+    ///
+    /// # Errors
+    ///
+    /// A scenario or disturbance that cannot be.
+    pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<CampaignReport, Error> {
+        let start = Instant::now();
+        let mut report = CampaignReport {
+            runs: 0,
+            simulated_s: 0.0,
+            seconds: 0.0,
+            simulated_s_per_s: 0.0,
+            totals: Vec::new(),
+            rows: Vec::new(),
+            histograms: Vec::new(),
+            violations: Vec::new(),
+        };
+        for &preset in &self.presets {
+            let scenarios = self.scenarios(preset)?;
+            for &group in &self.groups {
+                let summaries = self.summaries(&scenarios, group, done)?;
+                report.runs += summaries.len();
+                self.add(&mut report, preset, group, &summaries);
+            }
+        }
+        report.simulated_s = report.runs as f64 * self.duration_s;
+        report.seconds = start.elapsed().as_secs_f64();
+        report.simulated_s_per_s = report.simulated_s / report.seconds;
+        Ok(report)
+    }
+
+    fn scenarios(&self, preset: Preset) -> Result<Vec<Scenario>, Error> {
+        let scenario = |(testbed, name): &(Testbed, String)| {
+            let mut spec = testbed.scenario(name, preset)?;
+            spec.duration_s = self.duration_s;
+            Ok(Scenario::new(spec)?)
+        };
+        self.scenarios.iter().map(scenario).collect()
+    }
+
+    fn summaries(
+        &self,
+        scenarios: &[Scenario],
+        group: Group,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Summary>, Error> {
+        let disturbances = self.disturbances.only(group);
+        let run = |index: usize| {
+            let simulation = Simulation {
+                scenario: &scenarios[index % scenarios.len()],
+                disturbances,
+                seed: self.seed + index as u64,
+            };
+            let summary = simulation.run(|_| {});
+            done();
+            summary
+        };
+        (0..self.runs).into_par_iter().map(run).collect()
+    }
+
+    fn add(
+        &self,
+        report: &mut CampaignReport,
+        preset: Preset,
+        disturbance: Group,
+        summaries: &[Summary],
+    ) {
+        report.totals.push(Total {
+            preset,
+            disturbance,
+            tally: Tally::new(summaries.iter()),
+        });
+        for (index, (testbed, scenario)) in self.scenarios.iter().enumerate() {
+            let own = summaries.iter().skip(index).step_by(self.scenarios.len());
+            report.rows.push(Row {
+                preset,
+                disturbance,
+                testbed: testbed.name(),
+                scenario: scenario.clone(),
+                tally: Tally::new(own),
+            });
+        }
+        report.histograms.push(Histograms {
+            preset,
+            disturbance,
+            headway_mm: Histogram::new(summaries.iter().filter_map(|s| s.min_h_headway_m)),
+            clearance_mm: Histogram::new(summaries.iter().map(|s| s.lane_clearance_m)),
+        });
+        let unsafe_runs = summaries.iter().enumerate().filter(|(_, s)| !s.safe);
+        let violations = unsafe_runs.take(LISTED).map(|(index, summary)| {
+            let (testbed, scenario) = &self.scenarios[index % self.scenarios.len()];
+            Violation {
+                preset,
+                testbed: testbed.name(),
+                scenario: scenario.clone(),
+                disturbance,
+                seed: self.seed + index as u64,
+                first_unsafe_s: summary.first_unsafe_s,
+                min_h_headway_m: summary.min_h_headway_m,
+                lane_clearance_m: summary.lane_clearance_m,
+            }
+        });
+        report.violations.extend(violations);
+    }
+}
+
+impl Tally {
+    fn new<'a>(summaries: impl Iterator<Item = &'a Summary> + Clone) -> Self {
+        let runs = summaries.clone().count();
+        let count = |which: fn(&Summary) -> bool| summaries.clone().filter(|s| which(s)).count();
+        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
+        let total = |part: fn(&Summary) -> usize| summaries.clone().map(part).sum::<usize>() as f64;
+        let steps = total(|s| s.outcomes.optimal + s.outcomes.relaxed + s.outcomes.braking);
+        let headways = &mut summaries.clone().filter_map(|s| s.min_h_headway_m);
+        let clearances = &mut summaries.clone().map(|s| s.lane_clearance_m);
+        let speeds = summaries.clone().map(|s| s.mean_speed_mps);
+        Self {
+            runs,
+            violations: count(|s| !s.safe),
+            lane_departures: count(|s| s.lane_clearance_m < 0.0),
+            headway_violations: count(|s| s.min_h_headway_m.is_some_and(|h| h < 0.0)),
+            min_h_headway_m: least(headways),
+            min_lane_clearance_m: least(clearances).unwrap_or(f64::NAN),
+            mean_speed_mps: speeds.sum::<f64>() / runs as f64,
+            relaxed_pct: 100.0 * total(|s| s.outcomes.relaxed) / steps,
+            braking_pct: 100.0 * total(|s| s.outcomes.braking) / steps,
+        }
+    }
+}
+
+impl Histogram {
+    /// Of values in m, in bins of 2 mm.
+    fn new(values_m: impl Iterator<Item = f64>) -> Self {
+        let step = 2.0;
+        let bins = (2.0 * HISTOGRAM_MM / step) as usize;
+        let mut counts = vec![0; bins];
+        for value_m in values_m {
+            let bin = ((1e3 * value_m + HISTOGRAM_MM) / step).clamp(0.0, (bins - 1) as f64);
+            counts[bin as usize] += 1;
+        }
+        Self {
+            from: -HISTOGRAM_MM,
+            step,
+            counts,
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Reading of MCAP files, up to their first broken record.
+
+use std::collections::HashSet;
+use std::ops::ControlFlow;
+
+use ::mcap::records::{Record, op};
+use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use ::mcap::{McapError, parse_record};
+use serde_json::{Map, Value};
+
+use super::mcap::{NAME, TICK_SCHEMA};
+use super::{Column, DAMAGED, Flaw, Kind, LogTable, MAX_BYTES, Values, shortened, table};
+
+/// The largest record or chunk that is read, in bytes.
+const MAX_RECORD: usize = 256 << 20;
+const FOREIGN: &str = "only MCAP files that drivekit logged are read";
+
+pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
+    let (meta, mut columns) = read_metadata(bytes)?;
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true);
+    let mut schemas = HashSet::new();
+    let mut channels = HashSet::new();
+    let mut room = MAX_BYTES;
+    let whole = each_record(bytes, options, |record| {
+        match record {
+            Record::Schema { header, .. } if header.name == TICK_SCHEMA => {
+                schemas.insert(header.id);
+            }
+            Record::Channel(channel) if schemas.contains(&channel.schema_id) => {
+                channels.insert(channel.id);
+            }
+            Record::Message { header, data } if channels.contains(&header.channel_id) => {
+                let left = room.checked_sub(data.len() as u64);
+                room = left.ok_or_else(Flaw::too_large)?;
+                push(&mut columns, &data).map_err(|(place, found)| {
+                    let (tick, time) = (header.sequence, header.log_time);
+                    let record = format!(", record of tick {tick} at {time} ns{place}");
+                    Flaw::at(record, found, DAMAGED)
+                })?;
+            }
+            _ => {}
+        }
+        Ok(ControlFlow::Continue(()))
+    })?;
+    table(&meta, columns, !whole)
+}
+
+fn read_metadata(bytes: &[u8]) -> Result<(String, Vec<Column>), Flaw> {
+    let mut found = None;
+    let options = LinearReaderOptions::default().with_emit_chunks(true);
+    each_record(bytes, options, |record| match record {
+        Record::Metadata(metadata) if metadata.name == NAME => {
+            found = Some(metadata.metadata);
+            Ok(ControlFlow::Break(()))
+        }
+        _ => Ok(ControlFlow::Continue(())),
+    })?;
+    let absent = format!("no metadata record {NAME:?}");
+    let mut found = found.ok_or_else(|| Flaw::new(absent, FOREIGN))?;
+    let place = || format!(", metadata record {NAME:?}");
+    let mut value = |key: &str| {
+        let value = found.remove(key);
+        value.ok_or_else(|| Flaw::at(place(), format!("no {key:?}"), FOREIGN))
+    };
+    let (meta, columns) = (value("meta")?, value("columns")?);
+    let columns: Vec<(String, Kind)> = serde_json::from_str(&columns)
+        .map_err(|error| Flaw::at(place(), format!("columns: {error}"), DAMAGED))?;
+    let columns = columns.into_iter().map(|(name, kind)| kind.column(name));
+    Ok((meta, columns.collect()))
+}
+
+/// Calls `take` with the records that matter here, up to the first broken one. Returns whether the
+/// file is whole.
+fn each_record(
+    bytes: &[u8],
+    options: LinearReaderOptions,
+    mut take: impl FnMut(Record<'_>) -> Result<ControlFlow<()>, Flaw>,
+) -> Result<bool, Flaw> {
+    let mut reader = LinearReader::new_with_options(options.with_record_length_limit(MAX_RECORD));
+    let mut rest = bytes;
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(LinearReadEvent::ReadRequest(need)) => {
+                let (now, later) = rest.split_at(need.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            Ok(LinearReadEvent::Record { opcode, data }) => {
+                // the parser panics on a short attachment
+                let wanted = [op::SCHEMA, op::CHANNEL, op::MESSAGE, op::METADATA];
+                if !wanted.contains(&opcode) {
+                    continue;
+                }
+                let Ok(record) = parse_record(opcode, data) else {
+                    return Ok(false);
+                };
+                if take(record)?.is_break() {
+                    break;
+                }
+            }
+            Err(McapError::UnsupportedCompression(name)) => {
+                let found = format!("compression {:?}", shortened(&name));
+                return Err(Flaw::new(found, "compress it with zstd: mcap compress"));
+            }
+            Err(_) => return Ok(false),
+        }
+    }
+    Ok(true)
+}
+
+/// Appends a message; what is wrong with it on failure, and in which column.
+fn push(columns: &mut [Column], data: &[u8]) -> Result<(), (String, String)> {
+    let mut message: Map<String, Value> =
+        serde_json::from_slice(data).map_err(|error| (String::new(), error.to_string()))?;
+    for column in columns {
+        let wrong = |found: String| Err((format!(", column {:?}", shortened(&column.name)), found));
+        let Some(value) = message.remove(&column.name) else {
+            return wrong("the value is missing".to_owned());
+        };
+        let pushed = match (&mut column.values, value) {
+            (Values::Float(values), value) => {
+                float(&value).map(|value| values.push(value)).ok_or(value)
+            }
+            (Values::Integer(values), value) => {
+                value.as_i64().map(|value| values.push(value)).ok_or(value)
+            }
+            (Values::Text(values), Value::String(text)) => {
+                values.push(text);
+                Ok(())
+            }
+            (Values::Text(_), value) => Err(value),
+        };
+        if let Err(value) = pushed {
+            return wrong(format!(
+                "{} is of another type",
+                shortened(&value.to_string())
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn float(value: &Value) -> Option<f64> {
+    match value {
+        Value::Null => Some(f64::NAN),
+        Value::String(text) if text == "inf" => Some(f64::INFINITY),
+        Value::String(text) if text == "-inf" => Some(f64::NEG_INFINITY),
+        value => value.as_f64(),
+    }
+}

@@ -1,0 +1,105 @@
+//! Every decision of a run log once more.
+
+use serde::Serialize;
+use unicycle_cbf::Scenario;
+
+use crate::convoy::Convoy;
+use crate::error::Error;
+use crate::run_log::{DECIDED, RunLog};
+use crate::tick::Tick;
+
+/// What a replay found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// Decisions compared
+    pub decisions: usize,
+    /// Decisions with a difference in some column
+    pub different: usize,
+    /// The first of them
+    pub first: Option<Difference>,
+}
+
+/// A column in which a decision differs from the log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// Index of the step
+    pub tick: usize,
+    /// Index of the robot
+    pub robot: usize,
+    /// Name of the column
+    pub column: &'static str,
+    /// As in the log
+    pub logged: String,
+    /// As computed now
+    pub computed: String,
+}
+
+impl RunLog {
+    /// Gives the poses of the log to fresh controllers and compares their decisions bit for bit.
+    ///
+    /// # Errors
+    ///
+    /// A scenario that cannot be, or ticks that are not complete and in order.
+    pub fn replay(&self) -> Result<Replay, Error> {
+        let scenario = Scenario::new(self.spec.scenario.clone())?;
+        let mut convoy = Convoy::new(&scenario);
+        let robots = convoy.robots();
+        let mut replay = Replay {
+            decisions: 0,
+            different: 0,
+            first: None,
+        };
+        for (step, rows) in self.rows.chunks(robots).enumerate() {
+            let order = rows.iter().map(|row| (row.tick, row.robot));
+            let expected = (0..robots).rev().map(|robot| (step, robot));
+            if !order.eq(expected.take(rows.len())) {
+                return Err(Error::Order { step });
+            }
+            if rows.len() < robots {
+                break; // A log that ends within a step.
+            }
+            for row in rows {
+                if let Some(seen) = row.seen {
+                    convoy.observe(row.robot, seen);
+                }
+            }
+            for row in rows {
+                let time_s = scenario.time_s(step);
+                let tick = Tick {
+                    tick: step,
+                    robot: row.robot,
+                    time_s,
+                    seen: row.seen,
+                    decision: convoy.step(row.robot, time_s),
+                    truth: None,
+                    step_us: 0.0,
+                };
+                replay.decisions += 1;
+                if let Some(difference) = difference(&tick, &row.outcome, &row.decided) {
+                    replay.different += 1;
+                    replay.first.get_or_insert(difference);
+                }
+            }
+        }
+        Ok(replay)
+    }
+}
+
+fn difference(tick: &Tick, outcome: &str, logged: &[f64; DECIDED.len()]) -> Option<Difference> {
+    let differs = |column, logged: String, computed: String| Difference {
+        tick: tick.tick,
+        robot: tick.robot,
+        column,
+        logged,
+        computed,
+    };
+    let computed = tick.outcome_name();
+    if computed != outcome {
+        return Some(differs("outcome", outcome.to_owned(), computed));
+    }
+    DECIDED.iter().zip(logged).find_map(|((name, read), logged)| {
+        let computed = read(tick);
+        let same = computed.to_bits() == logged.to_bits() || (computed.is_nan() && logged.is_nan());
+        (!same).then(|| differs(name, format!("{logged:?}"), format!("{computed:?}")))
+    })
+}

@@ -1,0 +1,256 @@
+//! A run as a table of columns: what was seen, what was decided and, in simulations, what was true.
+
+use serde::{Deserialize, Serialize};
+use unicycle_cbf::{Pose, Scenario, ScenarioSpec, StampedPose};
+
+use crate::disturbances::Disturbances;
+use crate::error::Error;
+use crate::log_file::{Column, LogTable, Values};
+use crate::simulation::Simulation;
+use crate::summary::Summary;
+use crate::tick::Tick;
+
+/// Everything that makes a run; it stands in every run log.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunSpec {
+    /// Of all random numbers
+    pub seed: u64,
+    /// Robots, path, controller
+    pub scenario: ScenarioSpec,
+    /// What the simulated testbed does wrong
+    #[serde(default)]
+    pub disturbances: Disturbances,
+}
+
+/// A run with all its ticks, in the order in which they were decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// What made it
+    pub spec: RunSpec,
+    /// All robots and steps
+    pub ticks: Vec<Tick>,
+}
+
+impl RunSpec {
+    /// Runs it in simulation.
+    ///
+    /// # Errors
+    ///
+    /// A scenario or disturbance that cannot be.
+    pub fn simulate(&self) -> Result<(Run, Summary), Error> {
+        let scenario = Scenario::new(self.scenario.clone())?;
+        let simulation = Simulation {
+            scenario: &scenario,
+            disturbances: self.disturbances,
+            seed: self.seed,
+        };
+        let mut ticks = Vec::with_capacity(scenario.steps() * scenario.starts().len());
+        let summary = simulation.run(|tick| ticks.push(*tick))?;
+        let run = Run {
+            spec: self.clone(),
+            ticks,
+        };
+        Ok((run, summary))
+    }
+}
+
+type Read = fn(&Tick) -> f64;
+
+/// What arrived; together with the settings it determines every decision.
+const SEEN: [(&str, Read); 4] = [
+    ("pose_stamp_s", |t| t.seen.map_or(f64::NAN, |s| s.stamp_s)),
+    ("pose_x_m", |t| t.seen.map_or(f64::NAN, |s| s.pose.x_m)),
+    ("pose_y_m", |t| t.seen.map_or(f64::NAN, |s| s.pose.y_m)),
+    ("pose_heading_rad", |t| {
+        t.seen.map_or(f64::NAN, |s| s.pose.heading_rad)
+    }),
+];
+
+/// What was decided, and from what.
+pub(crate) const DECIDED: [(&str, Read); 26] = [
+    ("x_m", |t| t.decision.state.map_or(f64::NAN, |s| s.x_m)),
+    ("y_m", |t| t.decision.state.map_or(f64::NAN, |s| s.y_m)),
+    ("speed_mps", |t| {
+        t.decision.state.map_or(f64::NAN, |s| s.speed_mps)
+    }),
+    ("heading_rad", |t| {
+        t.decision.state.map_or(f64::NAN, |s| s.heading_rad)
+    }),
+    ("turn_rate_rad_s", |t| {
+        t.decision.state.map_or(f64::NAN, |s| s.turn_rate_rad_s)
+    }),
+    ("v1", |t| t.lyapunov(0)),
+    ("v2", |t| t.lyapunov(1)),
+    ("v3", |t| t.lyapunov(2)),
+    ("h_headway_m", |t| t.headway_m()),
+    ("h_lane", |t| t.lane()),
+    ("deviation_m", |t| t.deviation_m()),
+    ("force_n", |t| t.decision.input.force_n),
+    ("torque_nm", |t| t.decision.input.torque_nm),
+    ("slack_v1", |t| t.slack(0)),
+    ("slack_v2", |t| t.slack(1)),
+    ("slack_v3", |t| t.slack(2)),
+    ("relaxed_by", |t| t.relaxed_by()),
+    ("multiplier_1", |t| t.multiplier(0)),
+    ("multiplier_2", |t| t.multiplier(1)),
+    ("multiplier_3", |t| t.multiplier(2)),
+    ("multiplier_4", |t| t.multiplier(3)),
+    ("multiplier_5", |t| t.multiplier(4)),
+    ("command_speed_mps", |t| t.decision.speeds.speed_mps),
+    ("command_turn_rate_rad_s", |t| {
+        t.decision.speeds.turn_rate_rad_s
+    }),
+    ("left_wheel_mps", |t| t.decision.wheels.left_mps),
+    ("right_wheel_mps", |t| t.decision.wheels.right_mps),
+];
+
+/// What a simulation knows besides, and the time that the decision took.
+const KNOWN: [(&str, Read); 9] = [
+    ("true_x_m", |t| t.true_pose(0)),
+    ("true_y_m", |t| t.true_pose(1)),
+    ("true_heading_rad", |t| t.true_pose(2)),
+    ("true_speed_mps", |t| {
+        t.truth.map_or(f64::NAN, |t| t.state.speed_mps)
+    }),
+    ("true_turn_rate_rad_s", |t| {
+        t.truth.map_or(f64::NAN, |t| t.state.turn_rate_rad_s)
+    }),
+    ("true_h_headway_m", |t| {
+        t.truth
+            .and_then(|t| t.safety.headway_m)
+            .unwrap_or(f64::NAN)
+    }),
+    ("true_h_lane", |t| t.truth.map_or(f64::NAN, |t| t.safety.lane)),
+    ("true_deviation_m", |t| {
+        t.truth.map_or(f64::NAN, |t| t.safety.deviation_m)
+    }),
+    ("step_us", |t| t.step_us),
+];
+
+impl Run {
+    /// As columns for a file.
+    ///
+    /// # Errors
+    ///
+    /// None on runs of this crate.
+    pub fn to_table(&self) -> Result<LogTable, Error> {
+        let integers = |read: fn(&Tick) -> usize| {
+            Values::Integer(self.ticks.iter().map(|t| read(t) as i64).collect())
+        };
+        let column = |name: &str, values| Column {
+            name: name.to_owned(),
+            values,
+        };
+        let floats = |(name, read): &(&str, Read)| {
+            column(name, Values::Float(self.ticks.iter().map(read).collect()))
+        };
+        let outcomes = self.ticks.iter().map(Tick::outcome_name);
+        let mut columns = vec![
+            column("tick", integers(|t| t.tick)),
+            column("robot", integers(|t| t.robot)),
+            floats(&("time_s", |t| t.time_s)),
+            column("outcome", Values::Text(outcomes.collect())),
+        ];
+        columns.extend(SEEN.iter().map(floats));
+        columns.extend(DECIDED.iter().map(floats));
+        columns.extend(KNOWN.iter().map(floats));
+        let meta = serde_json::to_string(&self.spec).map_err(|e| Error::Meta(e.to_string()))?;
+        LogTable::new(&meta, columns)
+    }
+}
+
+/// A run log as far as a replay needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunLog {
+    /// What made it
+    pub spec: RunSpec,
+    /// One entry per tick, in the order of the file
+    pub rows: Vec<LoggedTick>,
+}
+
+/// A row of a run log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoggedTick {
+    /// Index of the step
+    pub tick: usize,
+    /// Index of the robot
+    pub robot: usize,
+    /// The pose that arrived
+    pub seen: Option<StampedPose>,
+    /// Outcome as text
+    pub outcome: String,
+    /// The columns of decisions, in their order
+    pub decided: [f64; DECIDED.len()],
+}
+
+impl RunLog {
+    /// # Errors
+    ///
+    /// Columns that are missing or of another type, or settings that cannot be read.
+    pub fn from_table(table: &LogTable) -> Result<Self, Error> {
+        let spec = serde_json::from_str(table.meta()).map_err(|e| Error::Meta(e.to_string()))?;
+        let ticks = integers(table, "tick")?;
+        let robots = integers(table, "robot")?;
+        let outcomes = texts(table, "outcome")?;
+        let seen: Vec<&[f64]> = SEEN
+            .iter()
+            .map(|(name, _)| floats(table, name))
+            .collect::<Result<_, _>>()?;
+        let decided: Vec<&[f64]> = DECIDED
+            .iter()
+            .map(|(name, _)| floats(table, name))
+            .collect::<Result<_, _>>()?;
+        let index = |value: i64, what: &str| {
+            usize::try_from(value).map_err(|_| Error::Meta(format!("{what} {value} is negative")))
+        };
+        let rows = (0..ticks.len())
+            .map(|row| {
+                let [stamp_s, x_m, y_m, heading_rad] = [0, 1, 2, 3].map(|i: usize| seen[i][row]);
+                let pose = Pose {
+                    x_m,
+                    y_m,
+                    heading_rad,
+                };
+                Ok(LoggedTick {
+                    tick: index(ticks[row], "tick")?,
+                    robot: index(robots[row], "robot")?,
+                    seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
+                    outcome: outcomes[row].clone(),
+                    decided: std::array::from_fn(|i| decided[i][row]),
+                })
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(Self { spec, rows })
+    }
+}
+
+fn floats<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [f64], Error> {
+    match table.column(name) {
+        Some(Values::Float(values)) => Ok(values),
+        _ => Err(Error::MissingColumn {
+            name,
+            kind: "numbers",
+        }),
+    }
+}
+
+fn integers<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [i64], Error> {
+    match table.column(name) {
+        Some(Values::Integer(values)) => Ok(values),
+        _ => Err(Error::MissingColumn {
+            name,
+            kind: "whole numbers",
+        }),
+    }
+}
+
+fn texts<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [String], Error> {
+    match table.column(name) {
+        Some(Values::Text(values)) => Ok(values),
+        _ => Err(Error::MissingColumn {
+            name,
+            kind: "texts",
+        }),
+    }
+}

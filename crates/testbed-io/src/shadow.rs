@@ -1,0 +1,182 @@
+//! Controllers beside recorded motion: they decide at every step, and the robots do what they did.
+
+use unicycle_cbf::{
+    ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds,
+    StampedPose, Testbed, Tracker,
+};
+
+use crate::convoy::Convoy;
+use crate::error::Error;
+use crate::recorded::{RecordedPose, RecordedRobot, Recording};
+use crate::summary::{Summarising, Summary};
+use crate::tick::{Tick, Truth};
+
+/// Span over which speeds are measured, in s.
+const SPEED_SPAN_S: f64 = 0.2;
+
+/// A scenario around recorded robots: a circular lane about the middle of the last robot's poses, wide enough for where it went.
+///
+/// # Errors
+///
+/// A recording without poses or with more robots than a scenario may have.
+pub fn scenario_of(
+    recording: &Recording,
+    testbed: Testbed,
+    settings: ControllerSettings,
+) -> Result<ScenarioSpec, Error> {
+    let last = recording.robots.last().map(|robot| robot.poses.as_slice());
+    let poses = last.filter(|poses| !poses.is_empty()).ok_or(Error::NoPoses)?;
+    let mean = |part: fn(&RecordedPose) -> f64| {
+        poses.iter().map(part).sum::<f64>() / poses.len() as f64
+    };
+    let (x_m, y_m) = (mean(|pose| pose.x_m), mean(|pose| pose.y_m));
+    let radius = |pose: &RecordedPose| (pose.x_m - x_m).hypot(pose.y_m - y_m);
+    let radius_m = (poses.iter().map(radius).sum::<f64>() / poses.len() as f64).max(0.1);
+    let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / 64.0;
+    let point = |i| [x_m + radius_m * f64::cos(angle(i)), y_m + radius_m * f64::sin(angle(i))];
+    let mut controller = settings;
+    controller.lane.half_width_m = 0.9 * radius_m;
+    let end_s = recording.robots.iter().filter_map(|robot| robot.poses.last());
+    Ok(ScenarioSpec {
+        name: "recorded".to_owned(),
+        testbed: testbed.name().to_owned(),
+        rate_hz: testbed.rate_hz(),
+        duration_s: end_s.map(|pose| pose.time_s).fold(1.0, f64::max),
+        path: PathSpec::Closed {
+            points_m: (0..64).map(point).collect(),
+        },
+        body: testbed.body(),
+        controller,
+        robots: (0..recording.robots.len()).rev().map(|place| robot(place, recording.robots.len())).collect(),
+    })
+}
+
+/// Starts are not used, but a scenario has to have its robots in order.
+fn robot(place: usize, of: usize) -> RobotSpec {
+    RobotSpec {
+        start: place as f64 / of as f64,
+        start_deviation_m: 0.0,
+        desired_speed_mps: vec![[0.0, 0.2]],
+        tracker: Tracker::On,
+        stops_s: Vec::new(),
+    }
+}
+
+/// Runs the controllers beside a recording, the robots in its order from the front. The recorded poses count as the truth.
+///
+/// # Errors
+///
+/// Another number of robots in the scenario than in the recording.
+pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, Summary), Error> {
+    let robots = scenario.starts().len();
+    if robots != recording.robots.len() {
+        return Err(Error::RobotCount {
+            scenario: robots,
+            recording: recording.robots.len(),
+        });
+    }
+    let mut convoy = Convoy::new(scenario);
+    let mut tracks: Vec<Track> = recording.robots.iter().map(Track::new).collect();
+    let mut summary = Summarising::new(scenario);
+    let mut ticks = Vec::new();
+    for step in 0..scenario.steps() {
+        let now_s = scenario.time_s(step);
+        let seen: Vec<Option<StampedPose>> = tracks.iter_mut().map(|t| t.newest(now_s)).collect();
+        for (robot, (seen, track)) in seen.iter().zip(&tracks).enumerate() {
+            if let Some(seen) = seen {
+                convoy.sent(robot, seen.stamp_s, track.speeds());
+                convoy.observe(robot, *seen);
+            }
+        }
+        let mut own: Vec<Tick> = (0..robots)
+            .rev()
+            .map(|robot| {
+                let start = std::time::Instant::now();
+                let decision = convoy.decide(robot, now_s);
+                Tick {
+                    tick: step,
+                    robot,
+                    time_s: now_s,
+                    seen: seen[robot],
+                    decision,
+                    truth: None,
+                    step_us: start.elapsed().as_secs_f64() * 1e6,
+                }
+            })
+            .collect();
+        for tick in &mut own {
+            tick.truth = truth(scenario, &tracks, tick.robot);
+            summary.add(tick);
+        }
+        ticks.append(&mut own);
+    }
+    Ok((ticks, summary.finished()))
+}
+
+fn truth(scenario: &Scenario, tracks: &[Track], robot: usize) -> Option<Truth> {
+    let offset_m = scenario.controller().body().offset_m;
+    let state = |robot: usize| {
+        let track = &tracks[robot];
+        Some(track.last()?.pose.state(offset_m, track.speeds()))
+    };
+    let ahead = robot.checked_sub(1).and_then(state);
+    let state = state(robot)?;
+    Some(Truth {
+        state,
+        safety: scenario.controller().safety(&state, ahead.as_ref()),
+    })
+}
+
+/// One robot's recording, read forward.
+struct Track<'a> {
+    poses: &'a [RecordedPose],
+    next: usize,
+}
+
+impl<'a> Track<'a> {
+    fn new(robot: &'a RecordedRobot) -> Self {
+        Self {
+            poses: &robot.poses,
+            next: 0,
+        }
+    }
+
+    fn newest(&mut self, now_s: f64) -> Option<StampedPose> {
+        let before = self.next;
+        while self.poses.get(self.next).is_some_and(|pose| pose.time_s <= now_s) {
+            self.next += 1;
+        }
+        if self.next > before { self.last() } else { None }
+    }
+
+    fn last(&self) -> Option<StampedPose> {
+        let pose = self.poses.get(self.next.checked_sub(1)?)?;
+        Some(stamped(pose))
+    }
+
+    /// Between the newest pose and one some time before.
+    fn speeds(&self) -> Speeds {
+        let Some(last) = self.last() else {
+            return Speeds::ZERO;
+        };
+        let past = self.poses[..self.next].iter().rev();
+        let Some(first) = past
+            .take_while(|pose| last.stamp_s - pose.time_s <= 1.0)
+            .find(|pose| last.stamp_s - pose.time_s >= SPEED_SPAN_S)
+        else {
+            return Speeds::ZERO;
+        };
+        stamped(first).speeds_to(&last)
+    }
+}
+
+fn stamped(pose: &RecordedPose) -> StampedPose {
+    StampedPose {
+        stamp_s: pose.time_s,
+        pose: Pose {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: pose.heading_rad,
+        },
+    }
+}

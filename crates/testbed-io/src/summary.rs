@@ -1,0 +1,160 @@
+//! What a run comes to.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use unicycle_cbf::{Outcome, Scenario};
+
+use crate::tick::Tick;
+
+/// Seconds at the end over which the final speed is averaged.
+const FINAL_S: f64 = 5.0;
+
+/// Bounds, means and counts over a run, on true states where there are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Steps of each robot
+    pub steps: usize,
+    /// Least `D − D0 − τ v` over all robots with one ahead; `None` without
+    pub min_h_headway_m: Option<f64>,
+    /// Least lane barrier, in its own units
+    pub min_h_lane: f64,
+    /// Half width of the lane less the largest deviation
+    pub lane_clearance_m: f64,
+    /// Largest deviation
+    pub max_abs_lateral_m: f64,
+    /// Mean speed of the robots with one ahead, or of all
+    pub mean_speed_mps: f64,
+    /// The same over the last 5 s
+    pub final_speed_mps: f64,
+    /// How the steps ended
+    pub outcomes: Outcomes,
+    /// Largest violation of a row that was relaxed, in its units
+    pub max_slack: f64,
+    /// Neither out of the lane nor too close
+    pub safe: bool,
+    /// First time at which it was not, in s
+    pub first_unsafe_s: Option<f64>,
+}
+
+/// Steps by their outcome.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Outcomes {
+    /// All rows held
+    pub optimal: usize,
+    /// Rows of the lane or direction gave way
+    pub relaxed: usize,
+    /// The robot was told to stand
+    pub braking: usize,
+}
+
+/// Steps of one robot by outcome and, where it brakes, the reason.
+#[must_use]
+pub fn outcomes_of(ticks: &[Tick], robot: usize) -> BTreeMap<String, usize> {
+    let mut outcomes = BTreeMap::new();
+    for tick in ticks.iter().filter(|tick| tick.robot == robot) {
+        *outcomes.entry(tick.outcome_name()).or_default() += 1;
+    }
+    outcomes
+}
+
+/// Collects a [`Summary`].
+#[derive(Debug, Clone)]
+pub struct Summarising {
+    summary: Summary,
+    half_width_m: f64,
+    followers_only: bool,
+    final_from_s: f64,
+    speed: Mean,
+    final_speed: Mean,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    count: usize,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    fn value(self) -> f64 {
+        self.sum / self.count.max(1) as f64
+    }
+}
+
+impl Summarising {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let spec = scenario.spec();
+        Self {
+            summary: Summary {
+                steps: 0,
+                min_h_headway_m: None,
+                min_h_lane: f64::INFINITY,
+                lane_clearance_m: spec.controller.lane.half_width_m,
+                max_abs_lateral_m: 0.0,
+                mean_speed_mps: 0.0,
+                final_speed_mps: 0.0,
+                outcomes: Outcomes::default(),
+                max_slack: 0.0,
+                safe: true,
+                first_unsafe_s: None,
+            },
+            half_width_m: spec.controller.lane.half_width_m,
+            followers_only: spec.robots.len() > 1,
+            final_from_s: spec.duration_s - FINAL_S,
+            speed: Mean::default(),
+            final_speed: Mean::default(),
+        }
+    }
+
+    /// Takes a tick in.
+    pub fn add(&mut self, tick: &Tick) {
+        let summary = &mut self.summary;
+        summary.steps = tick.tick + 1;
+        match tick.decision.outcome {
+            Outcome::Optimal => summary.outcomes.optimal += 1,
+            Outcome::Relaxed { by, .. } => {
+                summary.outcomes.relaxed += 1;
+                summary.max_slack = summary.max_slack.max(by);
+            }
+            Outcome::Braking { .. } => summary.outcomes.braking += 1,
+        }
+        let Some(truth) = &tick.truth else { return };
+        let safety = &truth.safety;
+        summary.min_h_lane = summary.min_h_lane.min(safety.lane);
+        let lateral_m = safety.deviation_m.abs();
+        summary.max_abs_lateral_m = summary.max_abs_lateral_m.max(lateral_m);
+        if let Some(headway_m) = safety.headway_m {
+            let least = summary.min_h_headway_m.unwrap_or(f64::INFINITY);
+            summary.min_h_headway_m = Some(least.min(headway_m));
+        }
+        let safe = lateral_m <= self.half_width_m && safety.headway_m.is_none_or(|h| h >= 0.0);
+        if !safe && summary.safe {
+            summary.safe = false;
+            summary.first_unsafe_s = Some(tick.time_s);
+        }
+        if self.followers_only && tick.robot == 0 {
+            return;
+        }
+        self.speed.add(truth.state.speed_mps);
+        if tick.time_s >= self.final_from_s {
+            self.final_speed.add(truth.state.speed_mps);
+        }
+    }
+
+    /// The whole.
+    #[must_use]
+    pub fn finished(self) -> Summary {
+        let mut summary = self.summary;
+        summary.lane_clearance_m = self.half_width_m - summary.max_abs_lateral_m;
+        summary.mean_speed_mps = self.speed.value();
+        summary.final_speed_mps = self.final_speed.value();
+        summary
+    }
+}

@@ -1,0 +1,100 @@
+//! One robot at one step, as it goes into the run log.
+
+use unicycle_cbf::{Decision, Outcome, Safety, StampedPose, State};
+
+/// All that is recorded of a robot at a step. What is not known is NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tick {
+    /// Index of the step
+    pub tick: usize,
+    /// Index of the robot, from the front
+    pub robot: usize,
+    /// In s from the start
+    pub time_s: f64,
+    /// The pose that arrived since the last step
+    pub seen: Option<StampedPose>,
+    /// What was decided
+    pub decision: Decision,
+    /// Where the robot really was and what that means for safety, in simulations
+    pub truth: Option<Truth>,
+    /// Time that the decision took, in µs
+    pub step_us: f64,
+}
+
+/// What a simulation knows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truth {
+    /// The true state of the point of interest
+    pub state: State,
+    /// The smallest barriers over the period that follows
+    pub safety: Safety,
+}
+
+/// What columns of the run log are read from; NaN where there is nothing.
+impl Tick {
+    /// The rung of the ladder, and why the robot brakes.
+    pub(crate) fn outcome_name(&self) -> String {
+        match self.decision.outcome {
+            Outcome::Braking { reason } => format!("braking-{}", reason.name()),
+            outcome => outcome.name().to_owned(),
+        }
+    }
+
+    pub(crate) fn lyapunov(&self, index: usize) -> f64 {
+        let terms = self.decision.terms;
+        terms.map_or(f64::NAN, |terms| terms.lyapunov[index].value)
+    }
+
+    pub(crate) fn headway_m(&self) -> f64 {
+        let headway = self.decision.terms.and_then(|terms| terms.headway);
+        headway.map_or(f64::NAN, |lie| lie.value)
+    }
+
+    pub(crate) fn lane(&self) -> f64 {
+        self.decision
+            .terms
+            .map_or(f64::NAN, |terms| terms.lane.least())
+    }
+
+    pub(crate) fn deviation_m(&self) -> f64 {
+        let terms = self.decision.terms;
+        terms.map_or(f64::NAN, |terms| terms.lateral.deviation_m)
+    }
+
+    pub(crate) fn slack(&self, index: usize) -> f64 {
+        let terms = self.decision.terms;
+        terms.map_or(f64::NAN, |terms| terms.solution.z[2 + index])
+    }
+
+    pub(crate) fn multiplier(&self, index: usize) -> f64 {
+        let terms = self.decision.terms;
+        terms.map_or(f64::NAN, |terms| terms.solution.multipliers[index])
+    }
+
+    pub(crate) fn relaxed_by(&self) -> f64 {
+        match self.decision.outcome {
+            Outcome::Relaxed { by, .. } => by,
+            _ => 0.0,
+        }
+    }
+
+    /// The true state where it is known, or the one that was decided for.
+    pub(crate) fn known_state(&self) -> Option<State> {
+        self.truth.map(|truth| truth.state).or(self.decision.state)
+    }
+
+    pub(crate) fn place(&self) -> Option<(f64, f64)> {
+        self.known_state().map(|state| (state.x_m, state.y_m))
+    }
+
+    pub(crate) fn known_headway_m(&self) -> f64 {
+        let truth = self.truth.and_then(|truth| truth.safety.headway_m);
+        truth.unwrap_or_else(|| self.headway_m())
+    }
+
+    /// x, y and heading of the point of interest.
+    pub(crate) fn true_pose(&self, index: usize) -> f64 {
+        let state = self.truth.map(|truth| truth.state);
+        state.map_or(f64::NAN, |s| [s.x_m, s.y_m, s.heading_rad][index])
+    }
+}

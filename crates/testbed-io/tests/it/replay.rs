@@ -1,0 +1,69 @@
+//! Run logs in every format, and their replay.
+
+use testbed_io::log_file::{self, LogFormat};
+use testbed_io::{Disturbances, RunLog, RunSpec};
+use unicycle_cbf::{Preset, Testbed};
+
+fn spec(preset: Preset) -> RunSpec {
+    let mut scenario = Testbed::Robotarium.scenario("decay", preset).unwrap();
+    scenario.duration_s = 20.0;
+    RunSpec {
+        seed: 3,
+        scenario,
+        disturbances: Disturbances::HARD,
+    }
+}
+
+#[test]
+fn every_decision_is_repeated_bit_for_bit_from_every_format() {
+    for preset in [Preset::Thesis, Preset::Hardened] {
+        let (run, _) = spec(preset).simulate().unwrap();
+        let table = run.to_table().unwrap();
+        for format in [LogFormat::Csv, LogFormat::Parquet, LogFormat::Mcap] {
+            let mut bytes = Vec::new();
+            log_file::write(&table, format, &mut bytes).unwrap();
+            let read = log_file::read_bytes(&bytes, format).unwrap();
+            let replay = RunLog::from_table(&read).unwrap().replay().unwrap();
+            assert_eq!(replay.decisions, run.ticks.len());
+            assert_eq!(replay.different, 0, "{format:?}: {:?}", replay.first);
+        }
+    }
+}
+
+#[test]
+fn a_changed_decision_and_a_changed_pose_are_found() {
+    let (run, _) = spec(Preset::Hardened).simulate().unwrap();
+    let log = RunLog::from_table(&run.to_table().unwrap()).unwrap();
+    let mut changed = log.clone();
+    changed.rows[500].decided[0] += 1e-15;
+    let replay = changed.replay().unwrap();
+    assert_eq!((replay.different, replay.first.unwrap().column), (1, "x_m"));
+
+    let mut changed = log.clone();
+    let row = changed.rows.iter_mut().skip(600).find(|row| row.seen.is_some()).unwrap();
+    row.seen.as_mut().unwrap().pose.x_m += 1e-6;
+    assert!(changed.replay().unwrap().different > 10);
+
+    let mut cut = log.clone();
+    cut.rows.truncate(501);
+    assert_eq!(cut.replay().unwrap().decisions, 500);
+
+    let mut shuffled = log;
+    shuffled.rows.swap(100, 200);
+    let error = shuffled.replay().unwrap_err().to_string();
+    assert!(error.contains("not in order at step 50"), "{error}");
+}
+
+#[test]
+fn tables_that_are_no_run_logs_are_refused() {
+    let (run, _) = spec(Preset::Thesis).simulate().unwrap();
+    let table = run.to_table().unwrap();
+    let mut columns = table.clone().into_columns();
+    columns.retain(|column| column.name != "force_n");
+    let without = log_file::LogTable::new(table.meta(), columns.clone()).unwrap();
+    let error = RunLog::from_table(&without).unwrap_err().to_string();
+    assert!(error.contains("no column `force_n` of numbers"), "{error}");
+    let other = log_file::LogTable::new("{\"a\": 1}", columns).unwrap();
+    let error = RunLog::from_table(&other).unwrap_err().to_string();
+    assert!(error.contains("is it one of `ctrl run`?"), "{error}");
+}

@@ -1,0 +1,76 @@
+//! Controllers beside recorded robots.
+
+use std::path::{Path, PathBuf};
+
+use testbed_io::recorded::{RecordingLayout, read_recording};
+use testbed_io::{outcomes_of, scenario_of, shadow};
+use unicycle_cbf::{Preset, Scenario, Testbed};
+
+fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    path.exists().then_some(path)
+}
+
+fn settings() -> unicycle_cbf::ControllerSettings {
+    Testbed::Robotarium.scenario("straight", Preset::Hardened).unwrap().controller
+}
+
+/// Two robots that go round a circle, with a gap in the poses of the second.
+#[test]
+fn gaps_stop_the_robot_and_all_else_does_not() {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..600 {
+        let time_s = f64::from(i) / 30.0;
+        for (robot, ahead) in [("a", 0.8), ("b", 0.0)] {
+            if robot == "b" && (200..260).contains(&i) {
+                continue;
+            }
+            let angle = 0.1 * time_s + ahead;
+            let heading = angle + std::f64::consts::FRAC_PI_2;
+            text += &format!("{time_s},{robot},{},{},{heading}\n", angle.cos(), angle.sin());
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("poses.csv");
+    std::fs::write(&file, text).unwrap();
+    let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
+    let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
+    let scenario = Scenario::new(spec).unwrap();
+    let (ticks, summary) = shadow(&scenario, &recording).unwrap();
+    let outcomes = outcomes_of(&ticks, 1);
+    let stale = outcomes.get("braking-stale-pose").copied().unwrap_or(0);
+    assert!((48..=54).contains(&stale), "{outcomes:?}");
+    assert!(outcomes["optimal"] + stale + 2 >= summary.steps, "{outcomes:?}");
+    let speed = ticks.iter().rev().find_map(|tick| tick.truth).unwrap().state.speed_mps;
+    assert!((speed - 0.1).abs() < 1e-3, "{speed}");
+}
+
+#[test]
+fn recorded_robots_give_decisions_throughout() {
+    let Some(folder) = shared("mrclam") else {
+        return;
+    };
+    let files = [1, 2, 3, 4, 5].map(|robot| folder.join(format!("Robot{robot}_Groundtruth.dat")));
+    let recording = read_recording(&files, RecordingLayout::Mrclam).unwrap();
+    let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
+    let scenario = Scenario::new(spec).unwrap();
+    let (ticks, summary) = shadow(&scenario, &recording).unwrap();
+    assert_eq!(ticks.len(), 5 * scenario.steps());
+    for robot in 0..5 {
+        let outcomes = outcomes_of(&ticks, robot);
+        println!("{robot}: {outcomes:?}");
+        assert!(!outcomes.contains_key("braking-not-finite"));
+    }
+    assert!(summary.steps > 20_000);
+}
+
+#[test]
+fn another_number_of_robots_is_refused() {
+    let Some(file) = shared("pioneer-mocap/duarte_mocap_ground_pose.csv") else {
+        return;
+    };
+    let recording = read_recording(&[file], RecordingLayout::Auto).unwrap();
+    let scenario = Testbed::Robotarium.scenario("track", Preset::Thesis).unwrap();
+    let error = shadow(&Scenario::new(scenario).unwrap(), &recording).unwrap_err();
+    assert!(error.to_string().contains("2 robots and the recording 1"), "{error}");
+}

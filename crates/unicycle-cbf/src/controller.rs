@@ -1,0 +1,263 @@
+//! From a state to a decision: rows, quadratic program, ladder, speeds.
+
+use crate::cbf::LaneBarrier;
+use crate::decision::{Brake, Decision, Outcome, Terms};
+use crate::error::Error;
+use crate::lateral::{Deviation, Frenet, Lateral, radial};
+use crate::path::Path;
+use crate::pose::State;
+use crate::qp::{self, MAX_ROWS, Row, Status};
+use crate::rows::RowKind;
+use crate::settings::{ControllerSettings, Literal};
+use crate::unicycle::{Body, Input};
+
+/// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
+const RELAXATION_WEIGHT: f64 = 1e9;
+
+/// The part of the objectives that scenarios change over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Objectives {
+    /// `v_d`, in m/s
+    pub desired_speed_mps: f64,
+    /// How the path is tracked; `None` while the tracker is off
+    pub tracking: Option<Tracking>,
+    /// Weight of `δ1`
+    pub speed_weight: f64,
+    /// The robot stops at once and stands
+    pub stop: bool,
+}
+
+/// Rate and weight of the row of `V3`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracking {
+    /// `c3`, in 1/s
+    pub rate_1ps: f64,
+    /// `p5`
+    pub weight: f64,
+}
+
+/// The robot ahead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leader {
+    /// As it moves now
+    pub state: State,
+    /// Its point of interest where it was last seen, in m
+    pub last_seen_m: [f64; 2],
+}
+
+impl Leader {
+    /// One whose state is known.
+    #[must_use]
+    pub fn known(state: State) -> Self {
+        Self {
+            state,
+            last_seen_m: [state.x_m, state.y_m],
+        }
+    }
+}
+
+/// The barriers at a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Safety {
+    /// That of the lane in its own units; with exponential rows `d_max − |y|`, in m
+    pub lane: f64,
+    /// `D − D0 − τ v`, in m, behind another robot
+    pub headway_m: Option<f64>,
+    /// `y`, in m
+    pub deviation_m: f64,
+}
+
+/// The quadratic program of (3.7) for one kind of robot on one path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controller {
+    path: Path,
+    body: Body,
+    settings: ControllerSettings,
+    hold_s: f64,
+}
+
+impl Controller {
+    /// A controller whose commands are held for `hold_s`.
+    ///
+    /// # Errors
+    ///
+    /// The first setting out of its range.
+    pub fn new(
+        path: Path,
+        body: Body,
+        settings: ControllerSettings,
+        hold_s: f64,
+    ) -> Result<Self, Error> {
+        body.check()?;
+        settings.check()?;
+        Error::positive("hold_s", hold_s)?;
+        Ok(Self {
+            path,
+            body,
+            settings,
+            hold_s,
+        })
+    }
+
+    /// The path
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The robot
+    #[must_use]
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// The settings
+    #[must_use]
+    pub fn settings(&self) -> &ControllerSettings {
+        &self.settings
+    }
+
+    /// How long a command is held, in s.
+    #[must_use]
+    pub fn hold_s(&self) -> f64 {
+        self.hold_s
+    }
+
+    /// Objectives without a schedule: the desired speed, and the tracker on.
+    #[must_use]
+    pub fn objectives(&self, desired_speed_mps: f64) -> Objectives {
+        Objectives {
+            desired_speed_mps,
+            tracking: Some(Tracking {
+                rate_1ps: self.settings.convergence_1ps[2],
+                weight: self.settings.weights[4],
+            }),
+            speed_weight: self.settings.weights[2],
+            stop: false,
+        }
+    }
+
+    /// The motion across the path that the lane bounds.
+    #[must_use]
+    pub fn lateral(&self, state: &State) -> Lateral {
+        match (&self.path, self.settings.lane.deviation) {
+            (Path::Polar(path), Deviation::Radial) => {
+                let unsigned = self.settings.is_literal(Literal::UnsignedAngleRate);
+                radial(path, &self.body, state, unsigned)
+            }
+            _ => Frenet::new(&self.path, &self.body, state).lateral(),
+        }
+    }
+
+    /// What has to stay at or above zero, without margins.
+    #[must_use]
+    pub fn safety(&self, state: &State, leader: Option<&State>) -> Safety {
+        let lateral = self.lateral(state);
+        let deviation_m = lateral.deviation_m;
+        let lane = match self.settings.lane.barrier {
+            LaneBarrier::Exponential { .. } => self.settings.lane.half_width_m - deviation_m.abs(),
+            _ => self.lane_barriers(&lateral, 0.0).least(),
+        };
+        Safety {
+            lane,
+            headway_m: leader.map(|leader| self.headway(state, leader, None).value),
+            deviation_m,
+        }
+    }
+
+    /// Decides for a state whose newest pose is `age_s` old.
+    pub fn decide(
+        &self,
+        state: &State,
+        leader: Option<&Leader>,
+        objectives: &Objectives,
+        age_s: f64,
+    ) -> Decision {
+        if !state.is_finite() || leader.is_some_and(|leader| !leader.state.is_finite()) {
+            return Decision::braking(Brake::NotFinite, Some(*state), None);
+        }
+        let mut terms = self.terms(state, leader, objectives, age_s);
+        let weights = self.weights(objectives);
+        let solution = qp::solve(&weights, terms.rows.as_slice());
+        terms.solution = solution;
+        match solution.status {
+            Status::Optimal => self.decided(Outcome::Optimal, state, terms),
+            Status::NotFinite | Status::TooManyRows => {
+                Decision::braking(Brake::NotFinite, Some(*state), Some(terms))
+            }
+            Status::Infeasible | Status::IterationLimit => self.relaxed(state, terms, &weights),
+        }
+    }
+
+    fn weights(&self, objectives: &Objectives) -> [f64; 5] {
+        let mut weights = self.settings.weights;
+        weights[2] = objectives.speed_weight;
+        if let Some(tracking) = objectives.tracking {
+            weights[4] = tracking.weight;
+        }
+        weights
+    }
+
+    /// The second rung: lane rows share a slack, the row of the direction is left out. Then the last: braking.
+    fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
+        let none = Row::<6> {
+            a: [0.0; 6],
+            b: 0.0,
+        };
+        let mut soft = [none; MAX_ROWS];
+        let mut count = 0;
+        for (row, kind) in terms.rows.as_slice().iter().zip(terms.rows.kinds()) {
+            if *kind == RowKind::Direction {
+                continue;
+            }
+            let [a0, a1, a2, a3, a4] = row.a;
+            let slack = if kind.is_lane() { -1.0 } else { 0.0 };
+            soft[count] = Row {
+                a: [a0, a1, a2, a3, a4, slack],
+                b: row.b,
+            };
+            count += 1;
+        }
+        let [w0, w1, w2, w3, w4] = *weights;
+        let solution = qp::solve(&[w0, w1, w2, w3, w4, RELAXATION_WEIGHT], &soft[..count]);
+        let reason = match solution.status {
+            Status::Optimal => {
+                let [z0, z1, z2, z3, z4, _] = solution.z;
+                terms.solution.z = [z0, z1, z2, z3, z4];
+                let (row, by) = most_violated(&terms);
+                return self.decided(Outcome::Relaxed { row, by }, state, terms);
+            }
+            Status::Infeasible => Brake::Infeasible,
+            Status::IterationLimit => Brake::Solver,
+            Status::NotFinite | Status::TooManyRows => Brake::NotFinite,
+        };
+        Decision::braking(reason, Some(*state), Some(terms))
+    }
+
+    fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
+        let [force_n, torque_nm, ..] = terms.solution.z;
+        let input = Input { force_n, torque_nm };
+        let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
+        let wheels = self.body.clipped(speeds);
+        Decision {
+            outcome,
+            state: Some(*state),
+            terms: Some(terms),
+            input,
+            speeds: self.body.speeds_of(wheels),
+            wheels,
+        }
+    }
+}
+
+/// The row whose left side exceeds its right side most.
+fn most_violated(terms: &Terms) -> (RowKind, f64) {
+    let z = &terms.solution.z;
+    let excess = |row: &Row| row.a.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() - row.b;
+    let rows = terms.rows.as_slice().iter().zip(terms.rows.kinds());
+    rows.filter(|(_, kind)| kind.is_lane() || **kind == RowKind::Direction)
+        .map(|(row, kind)| (*kind, excess(row)))
+        .fold((RowKind::Lane, 0.0), |most, next| {
+            if next.1 > most.1 { next } else { most }
+        })
+}

@@ -1,0 +1,124 @@
+//! What the controller decided in one step, and why.
+
+use crate::cbf::LaneBarriers;
+use crate::lateral::Lateral;
+use crate::lie::Lie;
+use crate::pose::{Speeds, State};
+use crate::qp::Solution;
+use crate::rows::{RowKind, Rows};
+use crate::unicycle::{Input, WheelSpeeds};
+
+/// The rung of the ladder on which a step ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub enum Outcome {
+    /// Every row holds
+    Optimal,
+    /// The rows of the lane or of the direction of travel had to give way; headway and wheel limits hold
+    Relaxed {
+        /// The row that gave way most
+        row: RowKind,
+        /// By how much `a·z` exceeds `b`, in the units of the row
+        by: f64,
+    },
+    /// Zero speed
+    Braking {
+        /// Why
+        reason: Brake,
+    },
+}
+
+/// Why a robot is stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Brake {
+    /// The scenario asks for it
+    Asked,
+    /// Headway and wheel limits contradict each other
+    Infeasible,
+    /// No pose was ever seen
+    NoPose,
+    /// The newest pose is too old
+    StalePose,
+    /// No pose of the robot ahead, or too old a one
+    LeaderLost,
+    /// A number that is NaN or infinite
+    NotFinite,
+    /// The solver reached its iteration limit
+    Solver,
+}
+
+impl Outcome {
+    /// The rung in one word.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Optimal => "optimal",
+            Self::Relaxed { .. } => "relaxed",
+            Self::Braking { .. } => "braking",
+        }
+    }
+}
+
+impl Brake {
+    /// As in documents.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Asked => "asked",
+            Self::Infeasible => "infeasible",
+            Self::NoPose => "no-pose",
+            Self::StalePose => "stale-pose",
+            Self::LeaderLost => "leader-lost",
+            Self::NotFinite => "not-finite",
+            Self::Solver => "solver",
+        }
+    }
+}
+
+/// One step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub struct Decision {
+    /// How it ended
+    pub outcome: Outcome,
+    /// The state it was taken for, where there was one
+    pub state: Option<State>,
+    /// What it was computed from, where that could be computed
+    pub terms: Option<Terms>,
+    /// Force and torque
+    pub input: Input,
+    /// The speeds that the robot is told
+    pub speeds: Speeds,
+    /// The same as wheel speeds
+    pub wheels: WheelSpeeds,
+}
+
+/// The functions of the state, the rows and the optimum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Terms {
+    /// `V1, V2, V3`
+    pub lyapunov: [Lie; 3],
+    /// Headway, where there is a robot ahead, without margins
+    pub headway: Option<Lie>,
+    /// Lane, without margins
+    pub lane: LaneBarriers,
+    /// Motion across the path that the lane bounds
+    pub lateral: Lateral,
+    /// All rows
+    pub rows: Rows,
+    /// Optimum, multipliers and active rows
+    pub solution: Solution<5>,
+}
+
+impl Decision {
+    pub(crate) fn braking(reason: Brake, state: Option<State>, terms: Option<Terms>) -> Self {
+        Self {
+            outcome: Outcome::Braking { reason },
+            state,
+            terms,
+            input: Input::default(),
+            speeds: Speeds::ZERO,
+            wheels: WheelSpeeds::default(),
+        }
+    }
+}

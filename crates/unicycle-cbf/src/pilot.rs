@@ -1,0 +1,115 @@
+//! The controller of one robot over time: observer, watchdog, and the speeds sent last.
+
+use crate::controller::{Controller, Leader, Objectives};
+use crate::decision::{Brake, Decision};
+use crate::pose::{Pose, Speeds};
+use crate::predictor::{Predictor, StampedPose};
+
+/// What one robot's controller remembers between steps.
+#[derive(Debug, Clone)]
+pub struct Pilot {
+    predictor: Predictor,
+    speeds: Speeds,
+}
+
+/// A robot as another one's controller knows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// Where it is and was seen
+    pub leader: Leader,
+    /// Age of its newest pose, in s
+    pub age_s: f64,
+}
+
+impl Pilot {
+    /// A robot that moves at `speeds` from `now_s` on: at rest, or at the desired speed (thesis 4.1).
+    #[must_use]
+    pub fn new(now_s: f64, speeds: Speeds) -> Self {
+        let mut predictor = Predictor::default();
+        predictor.sent(now_s, speeds);
+        Self { predictor, speeds }
+    }
+
+    /// Takes a pose in; one that is not finite is ignored.
+    pub fn observe(&mut self, controller: &Controller, seen: StampedPose) {
+        let hardening = &controller.settings().hardening;
+        let gains = [hardening.position_gain, hardening.heading_gain];
+        let forget_after_s = hardening.max_pose_age_s.unwrap_or(f64::INFINITY);
+        if seen.pose.is_finite() && seen.stamp_s.is_finite() {
+            self.predictor.observe(seen, gains, forget_after_s);
+        }
+    }
+
+    /// The speeds sent last.
+    #[must_use]
+    pub fn speeds(&self) -> Speeds {
+        self.speeds
+    }
+
+    /// The robot as the one behind it sees it at `now_s`.
+    #[must_use]
+    pub fn sighting(&self, controller: &Controller, now_s: f64) -> Option<Sighting> {
+        let last = self.predictor.last_seen()?;
+        let offset_m = controller.body().offset_m;
+        let seen = last.pose.state(offset_m, Speeds::ZERO);
+        let state = self.pose(controller, now_s)?.state(offset_m, self.speeds);
+        Some(Sighting {
+            leader: Leader {
+                state,
+                last_seen_m: [seen.x_m, seen.y_m],
+            },
+            age_s: now_s - last.stamp_s,
+        })
+    }
+
+    /// Remembers what the robot does from `now_s` on.
+    pub fn sent(&mut self, now_s: f64, speeds: Speeds) {
+        self.speeds = speeds;
+        self.predictor.sent(now_s, speeds);
+    }
+
+    /// Decides at `now_s`. `ahead` is the robot ahead, where there is one, as it was before its own step at this time.
+    pub fn decide(
+        &self,
+        controller: &Controller,
+        now_s: f64,
+        ahead: Option<Option<Sighting>>,
+        objectives: &Objectives,
+    ) -> Decision {
+        let Some((pose, age_s)) = self.current(controller, now_s) else {
+            return Decision::braking(Brake::NoPose, None, None);
+        };
+        let state = pose.state(controller.body().offset_m, self.speeds);
+        let max_age_s = controller.settings().hardening.max_pose_age_s;
+        let too_old = |age_s: f64| max_age_s.is_some_and(|most| age_s > most);
+        if objectives.stop {
+            return Decision::braking(Brake::Asked, Some(state), None);
+        }
+        if too_old(age_s) {
+            return Decision::braking(Brake::StalePose, Some(state), None);
+        }
+        match ahead {
+            Some(None) => Decision::braking(Brake::LeaderLost, Some(state), None),
+            Some(Some(sighting)) if too_old(sighting.age_s) => {
+                Decision::braking(Brake::LeaderLost, Some(state), None)
+            }
+            Some(Some(sighting)) => {
+                let age_s = age_s.max(sighting.age_s);
+                controller.decide(&state, Some(&sighting.leader), objectives, age_s)
+            }
+            None => controller.decide(&state, None, objectives, age_s),
+        }
+    }
+
+    fn current(&self, controller: &Controller, now_s: f64) -> Option<(Pose, f64)> {
+        let last = self.predictor.last_seen()?;
+        Some((self.pose(controller, now_s)?, now_s - last.stamp_s))
+    }
+
+    fn pose(&self, controller: &Controller, now_s: f64) -> Option<Pose> {
+        if controller.settings().hardening.predict {
+            return self.predictor.at(now_s);
+        }
+        self.predictor.last_seen().map(|last| last.pose)
+    }
+}

@@ -1,0 +1,163 @@
+//! The rows of the quadratic program, each with what it stands for.
+
+use serde::Serialize;
+
+use crate::lie::Lie;
+use crate::qp::{MAX_ROWS, Row};
+use crate::unicycle::Affine;
+
+/// What a row asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(into = "&'static str")]
+pub enum RowKind {
+    /// `V1`, the desired speed
+    Speed,
+    /// `V2`, no turning
+    TurnRate,
+    /// `V3`, the path
+    Tracking,
+    /// Distance to the robot ahead as it moves
+    Headway,
+    /// Distance to where the robot ahead was last seen
+    HeadwayStopped,
+    /// Both edges of the lane
+    Lane,
+    /// The edge at positive deviations
+    LaneRight,
+    /// The edge at negative deviations
+    LaneLeft,
+    /// Direction of travel
+    Direction,
+    /// Left wheel forward
+    LeftForward,
+    /// Left wheel backward
+    LeftBackward,
+    /// Right wheel forward
+    RightForward,
+    /// Right wheel backward
+    RightBackward,
+    /// Turn rate to the left
+    TurnLeft,
+    /// Turn rate to the right
+    TurnRight,
+}
+
+impl RowKind {
+    /// The row of a lane barrier by its side.
+    pub(crate) fn lane(side: f64) -> Self {
+        if side > 0.0 {
+            Self::LaneRight
+        } else if side < 0.0 {
+            Self::LaneLeft
+        } else {
+            Self::Lane
+        }
+    }
+
+    /// As in documents.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Speed => "V1",
+            Self::TurnRate => "V2",
+            Self::Tracking => "V3",
+            Self::Headway => "headway",
+            Self::HeadwayStopped => "headway-stopped",
+            Self::Lane => "lane",
+            Self::LaneRight => "lane-right",
+            Self::LaneLeft => "lane-left",
+            Self::Direction => "direction",
+            Self::LeftForward => "left-wheel-forward",
+            Self::LeftBackward => "left-wheel-backward",
+            Self::RightForward => "right-wheel-forward",
+            Self::RightBackward => "right-wheel-backward",
+            Self::TurnLeft => "turn-left",
+            Self::TurnRight => "turn-right",
+        }
+    }
+
+    /// Whether the ladder may relax it.
+    #[must_use]
+    pub fn is_lane(self) -> bool {
+        matches!(self, Self::Lane | Self::LaneRight | Self::LaneLeft)
+    }
+}
+
+impl From<RowKind> for &'static str {
+    fn from(kind: RowKind) -> Self {
+        kind.name()
+    }
+}
+
+/// Rows `a·z ≤ b` over `z = [u_l, u_a, δ1, δ2, δ3]`, at most [`MAX_ROWS`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rows {
+    kinds: [RowKind; MAX_ROWS],
+    rows: [Row; MAX_ROWS],
+    count: usize,
+}
+
+impl Rows {
+    pub(crate) fn new() -> Self {
+        Self {
+            kinds: [RowKind::Speed; MAX_ROWS],
+            rows: [Row {
+                a: [0.0; 5],
+                b: 0.0,
+            }; MAX_ROWS],
+            count: 0,
+        }
+    }
+
+    fn push(&mut self, kind: RowKind, a: [f64; 5], b: f64) {
+        debug_assert!(self.count < MAX_ROWS);
+        if let Some(row) = self.rows.get_mut(self.count) {
+            *row = Row { a, b };
+            self.kinds[self.count] = kind;
+            self.count += 1;
+        }
+    }
+
+    /// `L_g V · u − δ ≤ −L_f V − c V` (3.6) with the slack in its own slot.
+    pub(crate) fn lyapunov(&mut self, kind: RowKind, slack: usize, v: &Lie, rate_1ps: f64) {
+        let mut a = [v.lg[0], v.lg[1], 0.0, 0.0, 0.0];
+        a[2 + slack] = -1.0;
+        self.push(kind, a, -v.lf - rate_1ps * v.value);
+    }
+
+    /// `−L_g h · u ≤ L_f h + γ (h − margin)`
+    pub(crate) fn barrier(&mut self, kind: RowKind, h: &Lie, rate_1ps: f64, margin: f64) {
+        let a = [-h.lg[0], -h.lg[1], 0.0, 0.0, 0.0];
+        self.push(kind, a, h.lf + rate_1ps * (h.value - margin));
+    }
+
+    /// (2.17) as printed, `L_f h + L_g h · u ≤ γ h`: it limits how fast `h` may grow, and lets it fall.
+    pub(crate) fn barrier_as_printed(
+        &mut self,
+        kind: RowKind,
+        h: &Lie,
+        rate_1ps: f64,
+        margin: f64,
+    ) {
+        let a = [h.lg[0], h.lg[1], 0.0, 0.0, 0.0];
+        self.push(kind, a, rate_1ps * (h.value - margin) - h.lf);
+    }
+
+    /// A quantity that stays at or below a limit.
+    pub(crate) fn at_most(&mut self, kind: RowKind, quantity: Affine, limit: f64) {
+        let [force, torque] = quantity.control;
+        self.push(kind, [force, torque, 0.0, 0.0, 0.0], limit - quantity.drift);
+    }
+
+    /// The rows in order.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Row] {
+        &self.rows[..self.count]
+    }
+
+    /// What each row stands for, in order.
+    #[must_use]
+    pub fn kinds(&self) -> &[RowKind] {
+        &self.kinds[..self.count]
+    }
+}

@@ -1,0 +1,227 @@
+//! From a state to the functions and rows of its program.
+
+use crate::cbf::{self, LaneBarrier, LaneBarriers};
+use crate::clf;
+use crate::controller::{Controller, Leader, Objectives};
+use crate::decision::Terms;
+use crate::lateral::{Deviation, Frenet, Lateral, radial};
+use crate::lie::Lie;
+use crate::margin::{self, Moment};
+use crate::path::Path;
+use crate::pose::State;
+use crate::qp::Solution;
+use crate::rows::{RowKind, Rows};
+use crate::settings::{Distance, Literal};
+use crate::unicycle::Affine;
+
+/// Rates of the rows for the direction of travel, in 1/s.
+const DIRECTION_RATES_1PS: [f64; 2] = [4.0, 4.0];
+
+impl Controller {
+    pub(crate) fn terms(
+        &self,
+        state: &State,
+        leader: Option<&Leader>,
+        objectives: &Objectives,
+        age_s: f64,
+    ) -> Terms {
+        let settings = self.settings();
+        let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
+        let frenet = self
+            .needs_frenet()
+            .then(|| Frenet::new(self.path(), self.body(), state));
+        let tracked = match (self.path(), &frenet) {
+            (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
+            (_, Some(frenet)) => frenet.lateral(),
+            (path, None) => Frenet::new(path, self.body(), state).lateral(),
+        };
+        let lateral = match (&frenet, settings.lane.deviation) {
+            (Some(frenet), Deviation::Frenet) => frenet.lateral(),
+            _ => tracked,
+        };
+        let lyapunov = [
+            clf::speed(self.body(), state, objectives.desired_speed_mps),
+            clf::turn_rate(self.body(), state),
+            clf::tracking(&tracked),
+        ];
+        let moment = self.moment(age_s);
+        let mut rows = self.lyapunov_rows(&lyapunov, objectives);
+        let headway = leader
+            .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
+        let margin_m = margin::lane_m(settings, &moment, state, &lateral);
+        self.lane_rows(&mut rows, &lateral, margin_m);
+        if let (Some(angle_rad), Some(frenet)) = (settings.hardening.max_course_angle_rad, &frenet)
+        {
+            let course = frenet.course(self.body(), state);
+            let [first, second] = DIRECTION_RATES_1PS;
+            let h = cbf::direction(&course, angle_rad, first);
+            rows.barrier(RowKind::Direction, &h, second, 0.0);
+        }
+        if settings.hardening.wheel_rows {
+            self.wheel_rows(&mut rows, state);
+        }
+        Terms {
+            lyapunov,
+            headway,
+            lane: self.lane_barriers(&lateral, 0.0),
+            lateral,
+            rows,
+            solution: Solution::default(),
+        }
+    }
+
+    fn needs_frenet(&self) -> bool {
+        let settings = self.settings();
+        !matches!(self.path(), Path::Polar(_))
+            || settings.lane.deviation == Deviation::Frenet
+            || settings.headway.distance == Distance::Path
+            || settings.hardening.max_course_angle_rad.is_some()
+    }
+
+    fn moment(&self, age_s: f64) -> Moment {
+        Moment {
+            hold_s: self.hold_s(),
+            age_s,
+            offset_m: self.body().offset_m,
+            wheel_base_m: self.body().wheel_base_m,
+        }
+    }
+
+    fn lyapunov_rows(&self, [speed, turn, path]: &[Lie; 3], objectives: &Objectives) -> Rows {
+        let [c1, c2, _] = self.settings().convergence_1ps;
+        let mut rows = Rows::new();
+        rows.lyapunov(RowKind::Speed, 0, speed, c1);
+        rows.lyapunov(RowKind::TurnRate, 1, turn, c2);
+        if let Some(tracking) = objectives.tracking {
+            rows.lyapunov(RowKind::Tracking, 2, path, tracking.rate_1ps);
+        }
+        rows
+    }
+
+    pub(crate) fn headway(&self, state: &State, leader: &State, frenet: Option<&Frenet>) -> Lie {
+        let settings = &self.settings().headway;
+        if settings.distance == Distance::Path {
+            let own = frenet.map_or_else(
+                || Frenet::new(self.path(), self.body(), state).progress(),
+                Frenet::progress,
+            );
+            let ahead = Frenet::new(self.path(), self.body(), leader).progress();
+            let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
+            let opening = ahead.rate_mps - own.rate_mps;
+            let (time_s, standstill_m) = (settings.time_s, settings.standstill_m);
+            return cbf::spaced(
+                self.body(),
+                state,
+                distance_m,
+                opening,
+                time_s,
+                standstill_m,
+            );
+        }
+        let velocity = if self.settings().is_literal(Literal::IgnoredLeader) {
+            [0.0; 2]
+        } else {
+            leader.velocity_mps(self.body().offset_m)
+        };
+        let place = [leader.x_m, leader.y_m];
+        let (time_s, standstill_m) = (settings.time_s, settings.standstill_m);
+        cbf::headway(self.body(), state, place, velocity, time_s, standstill_m)
+    }
+
+    fn headway_rows(
+        &self,
+        rows: &mut Rows,
+        state: &State,
+        leader: &Leader,
+        frenet: Option<&Frenet>,
+        moment: &Moment,
+    ) -> Lie {
+        let settings = self.settings();
+        let rate_1ps = settings.headway.rate_1ps;
+        let margin_m = margin::headway_m(settings, moment, state, leader.state.speed_mps);
+        let h = self.headway(state, &leader.state, frenet);
+        if settings.is_literal(Literal::BarrierSign) {
+            rows.barrier_as_printed(RowKind::Headway, &h, rate_1ps, margin_m);
+        } else {
+            rows.barrier(RowKind::Headway, &h, rate_1ps, margin_m);
+        }
+        if settings.hardening.cautious_leader {
+            let [x_m, y_m] = leader.last_seen_m;
+            let stopped = State {
+                x_m,
+                y_m,
+                speed_mps: 0.0,
+                turn_rate_rad_s: 0.0,
+                ..leader.state
+            };
+            let stopped = self.headway(state, &stopped, frenet);
+            rows.barrier(RowKind::HeadwayStopped, &stopped, rate_1ps, margin_m);
+        }
+        h
+    }
+
+    pub(crate) fn lane_barriers(&self, lateral: &Lateral, margin_m: f64) -> LaneBarriers {
+        let lane = &self.settings().lane;
+        let half_width_m = lane.half_width_m - margin_m;
+        match lane.barrier {
+            LaneBarrier::Braking {
+                max_acceleration_mps2,
+            } if self.settings().is_literal(Literal::SwitchingLane) => {
+                cbf::lane_as_printed(max_acceleration_mps2, half_width_m, lateral)
+            }
+            barrier => cbf::lane(barrier, half_width_m, lateral),
+        }
+    }
+
+    fn lane_rows(&self, rows: &mut Rows, lateral: &Lateral, margin_m: f64) {
+        let rate_1ps = self.settings().lane.rate_1ps;
+        for (side, h) in self.lane_barriers(lateral, margin_m).iter() {
+            let kind = RowKind::lane(side);
+            if self.settings().is_literal(Literal::BarrierSign) {
+                rows.barrier_as_printed(kind, &h, rate_1ps, 0.0);
+            } else {
+                rows.barrier(kind, &h, rate_1ps, 0.0);
+            }
+        }
+    }
+
+    /// Wheel speeds and turn rate of the next command stay within the limits: linear in the inputs but for the change of `ω²` within the
+    /// period.
+    fn wheel_rows(&self, rows: &mut Rows, state: &State) {
+        let body = self.body();
+        let change = body.acceleration(state.turn_rate_rad_s);
+        let speed = change.combined(self.hold_s(), change, 0.0, state.speed_mps);
+        let turn = Affine {
+            drift: state.turn_rate_rad_s,
+            control: [0.0, self.hold_s() / body.inertia_kgm2],
+        };
+        let half_m = 0.5 * body.wheel_base_m;
+        let limits = [
+            (
+                RowKind::RightForward,
+                [1.0, half_m],
+                body.max_wheel_speed_mps,
+            ),
+            (
+                RowKind::RightBackward,
+                [-1.0, -half_m],
+                body.max_wheel_speed_mps,
+            ),
+            (
+                RowKind::LeftForward,
+                [1.0, -half_m],
+                body.max_wheel_speed_mps,
+            ),
+            (
+                RowKind::LeftBackward,
+                [-1.0, half_m],
+                body.max_wheel_speed_mps,
+            ),
+            (RowKind::TurnLeft, [0.0, 1.0], body.max_turn_rate_rad_s),
+            (RowKind::TurnRight, [0.0, -1.0], body.max_turn_rate_rad_s),
+        ];
+        for (kind, [by_speed, by_turn], limit) in limits {
+            rows.at_most(kind, speed.combined(by_speed, turn, by_turn, 0.0), limit);
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Integration tests of the controller.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stdout,
+    missing_docs
+)]
+
+mod derivatives;
+mod guards;
+mod path;
+mod qp;
+mod reference;
+mod scenarios;
+mod states;
