@@ -57,6 +57,7 @@ fn with_defaults(mut command: clap::Command, path: &Path) -> anyhow::Result<clap
     Ok(command)
 }
 
+/// `[evaluate]`, and `[ctrl.run]` for a subcommand of one.
 fn with_subcommand_defaults(
     command: clap::Command,
     name: &str,
@@ -68,6 +69,10 @@ fn with_subcommand_defaults(
     };
     for (key, value) in flags {
         let place = format!("`{}`: key `{name}.{key}`", path.display());
+        if let Value::Table(flags) = value {
+            subcommand = with_subcommand_defaults(subcommand, key, flags, path)?;
+            continue;
+        }
         if flag_id(&subcommand, key).is_none() {
             bail!("{place}: `drivekit {name}` has no flag --{key}");
         }
@@ -77,31 +82,36 @@ fn with_subcommand_defaults(
 }
 
 fn with_default_everywhere(
+    command: clap::Command,
+    key: &str,
+    value: &Value,
+) -> anyhow::Result<clap::Command> {
+    if !is_flag_anywhere(&command, key) {
+        bail!("no subcommand has a flag --{key}");
+    }
+    with_default_below(command, key, value)
+}
+
+fn is_flag_anywhere(command: &clap::Command, key: &str) -> bool {
+    flag_id(command, key).is_some()
+        || command
+            .get_subcommands()
+            .any(|sub| is_flag_anywhere(sub, key))
+}
+
+/// For a command and all subcommands that have the flag.
+fn with_default_below(
     mut command: clap::Command,
     key: &str,
     value: &Value,
 ) -> anyhow::Result<clap::Command> {
-    let owners: Vec<String> = command
-        .get_subcommands()
-        .filter(|sub| flag_id(sub, key).is_some())
-        .map(|sub| sub.get_name().to_owned())
-        .collect();
-    let global = flag_id(&command, key).is_some();
-    if owners.is_empty() && !global {
-        bail!("no subcommand has a flag --{key}");
+    let below: Vec<clap::Command> = command.get_subcommands().cloned().collect();
+    for subcommand in below {
+        let name = subcommand.get_name().to_owned();
+        let subcommand = with_default_below(subcommand, key, value)?;
+        command = command.mut_subcommand(name, |_| subcommand);
     }
-    for name in owners {
-        let subcommand = command
-            .find_subcommand(&name)
-            .cloned()
-            .with_context(|| format!("no subcommand `{name}`"))?;
-        let subcommand = with_default(subcommand, key, value)?;
-        command = command.mut_subcommand(&name, |_| subcommand);
-    }
-    if global {
-        command = with_default(command, key, value)?;
-    }
-    Ok(command)
+    with_default(command, key, value)
 }
 
 fn with_default(command: clap::Command, key: &str, value: &Value) -> anyhow::Result<clap::Command> {

@@ -23,7 +23,9 @@ impl From<Outcome> for ExitCode {
 
 /// Turns a panic, which would be a bug of ours, into an error. Panics that a library catches itself, such as those of
 /// a decoder on a damaged file, print nothing.
-pub(crate) fn without_panic<T>(run: impl FnOnce() -> anyhow::Result<T> + std::panic::UnwindSafe) -> anyhow::Result<T> {
+pub(crate) fn without_panic<T>(
+    run: impl FnOnce() -> anyhow::Result<T> + std::panic::UnwindSafe,
+) -> anyhow::Result<T> {
     std::panic::set_hook(Box::new(|_| {}));
     std::panic::catch_unwind(run).unwrap_or_else(|cause| {
         let what = cause

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::program::{drivekit_in, fixture};
 
 /// The name of a page, the least number of its figures, and the arguments that make it; `drives/` is that of the fixtures.
-const PAGES: [(&str, usize, &str); 6] = [
+const PAGES: [(&str, usize, &str); 8] = [
     (
         "evaluate",
         18,
@@ -43,6 +43,16 @@ const PAGES: [(&str, usize, &str); 6] = [
         "trajectory",
         11,
         "evaluate --task trajectory drives/drive-01.csv drives/drive-02.csv drives/drive-03.csv --models svr-linear --horizons 1,2,5 --max-samples 500",
+    ),
+    (
+        "robots",
+        11,
+        "ctrl run --scenario stop --preset hardened --disturb all --duration 25",
+    ),
+    (
+        "campaign",
+        3,
+        "ctrl campaign --preset hardened --disturb none,all --runs 26 --duration 10",
     ),
 ];
 const OPTIONS: [&str; 14] = [

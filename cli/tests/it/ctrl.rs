@@ -19,9 +19,15 @@ fn a_run_of_the_thesis_is_safe_and_says_so() {
         (&document["scenario"], &document["testbed"]),
         (&json!("on-off"), &json!("khepera"))
     );
-    assert_eq!((&document["rate_hz"], &document["steps"]), (&json!(50.0), &json!(1000)));
+    assert_eq!(
+        (&document["rate_hz"], &document["steps"]),
+        (&json!(50.0), &json!(1000))
+    );
     assert_eq!(document["safe"], true);
-    assert_eq!(document["outcomes"], json!({ "optimal": 2000, "relaxed": 0, "braking": 0 }));
+    assert_eq!(
+        document["outcomes"],
+        json!({ "optimal": 2000, "relaxed": 0, "braking": 0 })
+    );
     for key in [
         "min_h_headway_m",
         "min_h_lane",
@@ -39,11 +45,34 @@ fn a_run_of_the_thesis_is_safe_and_says_so() {
 
 #[test]
 fn an_unsafe_run_is_an_honest_negative() {
-    let out = drivekit(&["ctrl", "run", "--scenario", "decay", "--disturb", "all", "--seed", "1"]);
+    let out = drivekit(&[
+        "ctrl",
+        "run",
+        "--scenario",
+        "decay",
+        "--disturb",
+        "all",
+        "--seed",
+        "1",
+    ]);
     assert_eq!(out.code, 1, "{}", out.stderr);
     assert!(out.stdout.contains("UNSAFE from "), "{}", out.stdout);
-    let hardened = ["ctrl", "run", "--scenario", "decay", "--disturb", "all", "--preset", "hardened"];
-    assert!(drivekit(&hardened).ok().stdout.contains("safe: no robot left its lane"));
+    let hardened = [
+        "ctrl",
+        "run",
+        "--scenario",
+        "decay",
+        "--disturb",
+        "all",
+        "--preset",
+        "hardened",
+    ];
+    assert!(
+        drivekit(&hardened)
+            .ok()
+            .stdout
+            .contains("safe: no robot left its lane")
+    );
 }
 
 #[test]
@@ -64,22 +93,50 @@ fn the_binary_ctrl_is_the_subcommand() {
 #[test]
 fn a_shown_scenario_runs_the_same() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = ["--testbed", "robotarium", "--scenario", "track", "--preset", "hardened"];
+    let flags = [
+        "--testbed",
+        "robotarium",
+        "--scenario",
+        "track",
+        "--preset",
+        "hardened",
+    ];
     let more = ["--disturb", "all", "--seed", "9", "--duration", "10"];
     let with = |first: &[&str]| [first, &flags, &more].concat();
-    let shown = drivekit(&with(&["ctrl", "run", "--show-config"])).ok().stdout;
+    let shown = drivekit(&with(&["ctrl", "run", "--show-config"]))
+        .ok()
+        .stdout;
     std::fs::write(folder.path().join("mine.toml"), shown).unwrap();
-    let named = drivekit(&with(&["ctrl", "run", "--format", "json"])).ok().stdout;
+    let named = drivekit(&with(&["ctrl", "run", "--format", "json"]))
+        .ok()
+        .stdout;
     let file = ["ctrl", "run", "--scenario", "mine.toml", "--format", "json"];
     let file = drivekit_in(folder.path(), &file).ok().stdout;
     let (named, file) = (document(&named), document(&file));
-    for key in ["spec", "min_h_headway_m", "min_h_lane", "outcomes", "mean_speed_mps"] {
+    for key in [
+        "spec",
+        "min_h_headway_m",
+        "min_h_lane",
+        "outcomes",
+        "mean_speed_mps",
+    ] {
         assert_eq!(named[key], file[key], "{key}");
     }
-    let both = ["ctrl", "run", "--scenario", "mine.toml", "--preset", "thesis"];
+    let both = [
+        "ctrl",
+        "run",
+        "--scenario",
+        "mine.toml",
+        "--preset",
+        "thesis",
+    ];
     let out = drivekit_in(folder.path(), &both);
     assert_eq!(out.code, 2);
-    assert!(out.stderr.contains("leave --testbed and --preset out"), "{}", out.stderr);
+    assert!(
+        out.stderr.contains("leave --testbed and --preset out"),
+        "{}",
+        out.stderr
+    );
 }
 
 #[test]
@@ -92,7 +149,18 @@ fn a_path_from_a_file_is_followed() {
     }
     std::fs::write(folder.path().join("oval.csv"), oval).unwrap();
     for preset in ["thesis", "hardened"] {
-        let args = ["ctrl", "run", "--testbed", "robotarium", "--scenario", "track", "--path", "oval.csv", "--preset", preset];
+        let args = [
+            "ctrl",
+            "run",
+            "--testbed",
+            "robotarium",
+            "--scenario",
+            "track",
+            "--path",
+            "oval.csv",
+            "--preset",
+            preset,
+        ];
         let out = drivekit_in(folder.path(), &args).ok();
         assert!(out.stdout.contains("safe: "), "{}", out.stdout);
     }
@@ -106,40 +174,88 @@ fn a_path_from_a_file_is_followed() {
 fn run_logs_are_replayed_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["run.csv", "run.parquet", "run.mcap"] {
-        let args = ["ctrl", "run", "--disturb", "all", "--preset", "hardened", "--duration", "8", "-o", name, "--quiet"];
+        let args = [
+            "ctrl",
+            "run",
+            "--disturb",
+            "all",
+            "--preset",
+            "hardened",
+            "--duration",
+            "8",
+            "-o",
+            name,
+            "--quiet",
+        ];
         drivekit_in(folder.path(), &args).ok();
         let out = drivekit_in(folder.path(), &["ctrl", "replay", name, "--format", "json"]).ok();
         let document = document(&out.stdout);
-        assert_eq!((&document["decisions"], &document["different"]), (&json!(800), &json!(0)));
+        assert_eq!(
+            (&document["decisions"], &document["different"]),
+            (&json!(800), &json!(0))
+        );
     }
     let log = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
     let changed = log.replacen("optimal", "relaxed", 1);
     std::fs::write(folder.path().join("run.csv"), changed).unwrap();
     let out = drivekit_in(folder.path(), &["ctrl", "replay", "run.csv"]);
     assert_eq!(out.code, 1);
-    assert!(out.stdout.contains("outcome was relaxed, is optimal"), "{}", out.stdout);
+    assert!(
+        out.stdout.contains("outcome was relaxed, is optimal"),
+        "{}",
+        out.stdout
+    );
     let out = drivekit_in(folder.path(), &["ctrl", "run", "-o", "run.txt"]);
     assert_eq!(out.code, 2);
-    assert!(out.stderr.contains("name the run log .csv, .parquet or .mcap"), "{}", out.stderr);
+    assert!(
+        out.stderr
+            .contains("name the run log .csv, .parquet or .mcap"),
+        "{}",
+        out.stderr
+    );
 }
 
 #[test]
 fn a_campaign_names_the_command_that_repeats_a_violation() {
-    let args = ["ctrl", "campaign", "--testbed", "khepera", "--scenario", "decay", "--preset", "thesis", "--runs", "12", "--format", "json"];
+    let args = [
+        "ctrl",
+        "campaign",
+        "--testbed",
+        "khepera",
+        "--scenario",
+        "decay",
+        "--preset",
+        "thesis",
+        "--runs",
+        "12",
+        "--format",
+        "json",
+    ];
     let out = drivekit(&args);
     assert_eq!(out.code, 1, "{}", out.stderr);
     let report = document(&out.stdout);
     assert_eq!(report["totals"][0]["runs"], 12);
     let violation = &report["violations"][0];
     let command = violation["command"].as_str().unwrap();
-    let args: Vec<&str> = command.split(' ').skip(1).chain(["--format", "json"]).collect();
+    let args: Vec<&str> = command
+        .split(' ')
+        .skip(1)
+        .chain(["--format", "json"])
+        .collect();
     let again = drivekit(&args);
     assert_eq!(again.code, 1);
     let again = document(&again.stdout);
     for key in ["min_h_headway_m", "lane_clearance_m", "first_unsafe_s"] {
         assert_eq!(again[key], violation[key], "{key}");
     }
-    let out = drivekit(&["ctrl", "campaign", "--testbed", "khepera", "--scenario", "track"]);
+    let out = drivekit(&[
+        "ctrl",
+        "campaign",
+        "--testbed",
+        "khepera",
+        "--scenario",
+        "track",
+    ]);
     assert_eq!(out.code, 2);
     assert!(out.stderr.contains("no scenario `track`"), "{}", out.stderr);
     assert_eq!(drivekit(&["ctrl", "campaign", "--runs", "0"]).code, 2);
@@ -155,29 +271,61 @@ fn a_state_is_explained() {
         "lateral": "frenet",
         "lane_barrier": "exponential",
     });
-    let write = |value: &Value| std::fs::write(folder.path().join("s.json"), value.to_string()).unwrap();
+    let write =
+        |value: &Value| std::fs::write(folder.path().join("s.json"), value.to_string()).unwrap();
     write(&json!([state, { "follower": state["follower"] }]));
     let args = ["ctrl", "explain", "--state", "s.json"];
     let json_args = [&args[..], &["--format", "json"]].concat();
     let out = drivekit_in(folder.path(), &json_args).ok();
     let states = document(&out.stdout)["states"].clone();
     let first = &states[0];
-    let rows: Vec<&str> = first["rows"].as_array().unwrap().iter().map(|r| r.as_str().unwrap()).collect();
+    let rows: Vec<&str> = first["rows"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| r.as_str().unwrap())
+        .collect();
     assert_eq!(rows[..4], ["V1", "V2", "V3", "headway"]);
     assert_eq!(rows.len(), 6);
     let size = |key: &str| first[key].as_array().unwrap().len();
-    assert_eq!(["a", "b", "multipliers", "v", "lf_v", "lg_v", "optimum", "lane"].map(size), [6, 6, 6, 3, 3, 3, 5, 2]);
+    assert_eq!(
+        [
+            "a",
+            "b",
+            "multipliers",
+            "v",
+            "lf_v",
+            "lg_v",
+            "optimum",
+            "lane"
+        ]
+        .map(size),
+        [6, 6, 6, 3, 3, 3, 5, 2]
+    );
     assert!((first["v"][0].as_f64().unwrap() - 0.0025).abs() < 1e-12);
     assert_eq!(first["outcome"], "optimal");
     assert!(states[1]["headway"].is_null());
-    assert!(drivekit_in(folder.path(), &args).ok().stdout.contains("every row holds"));
+    assert!(
+        drivekit_in(folder.path(), &args)
+            .ok()
+            .stdout
+            .contains("every row holds")
+    );
 
     write(&json!({ "follower": { "x_m": 0.9, "y_m": 0.0 } }));
     let out = drivekit_in(folder.path(), &args);
     assert_eq!(out.code, 2);
-    assert!(out.stderr.contains("missing field `speed_mps`"), "{}", out.stderr);
+    assert!(
+        out.stderr.contains("missing field `speed_mps`"),
+        "{}",
+        out.stderr
+    );
     write(&json!({ "follower": state["follower"], "speed": 1 }));
-    assert!(drivekit_in(folder.path(), &args).stderr.contains("unknown field `speed`"));
+    assert!(
+        drivekit_in(folder.path(), &args)
+            .stderr
+            .contains("unknown field `speed`")
+    );
 }
 
 #[test]
@@ -191,7 +339,11 @@ fn malformed_scenarios_say_where_and_what() {
         out.stderr
     };
     for (from, to, words) in [
-        ("mass_kg = 0.69", "mass_kg = -1", "`mass_kg` is -1; it must be positive"),
+        (
+            "mass_kg = 0.69",
+            "mass_kg = -1",
+            "`mass_kg` is -1; it must be positive",
+        ),
         ("mass_kg = 0.69", "mass = 0.69", "unknown field `mass`"),
         ("mass_kg = 0.69", "mass_kg = nan", "`mass_kg` is NaN"),
         ("kind = \"polar\"", "kind = \"spiral\"", "spiral"),
@@ -203,5 +355,9 @@ fn malformed_scenarios_say_where_and_what() {
         assert!(error.contains(words), "{error}");
     }
     let out = drivekit(&["ctrl", "run", "--scenario", "figure-eight"]);
-    assert!(out.stderr.contains("no scenario `figure-eight`"), "{}", out.stderr);
+    assert!(
+        out.stderr.contains("no scenario `figure-eight`"),
+        "{}",
+        out.stderr
+    );
 }

@@ -9,8 +9,8 @@ use crate::tick::Tick;
 /// Points along the lane.
 const OUTLINE: usize = 400;
 
-/// Lines over time are in single precision: they are for the eye.
-type Line = Vec<f32>;
+/// Lines are for the eye: their values have five digits.
+type Line = Vec<f64>;
 
 /// Everything on one page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,9 +38,9 @@ pub struct Event {
 struct Outline {
     half_width_m: f64,
     closed: bool,
-    centre_m: Vec<[f32; 2]>,
-    left_m: Vec<[f32; 2]>,
-    right_m: Vec<[f32; 2]>,
+    centre_m: Vec<[f64; 2]>,
+    left_m: Vec<[f64; 2]>,
+    right_m: Vec<[f64; 2]>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -94,7 +94,7 @@ impl Figures {
                 offset_m: body.offset_m,
                 wheel_base_m: body.wheel_base_m,
             },
-            time_s: first.map(|tick| tick.time_s as f32).collect(),
+            time_s: first.map(|tick| rounded(tick.time_s)).collect(),
             robots: lines(ticks),
             undisturbed: undisturbed.map(lines),
         }
@@ -137,14 +137,15 @@ impl Outline {
         let path = scenario.controller().path();
         let half_width_m = scenario.spec().controller.lane.half_width_m;
         let length_m = path.length_m();
-        let [from_m, to_m] = length_m.map_or_else(|| reach(scenario, ticks), |length| [0.0, length]);
+        let [from_m, to_m] =
+            length_m.map_or_else(|| reach(scenario, ticks), |length| [0.0, length]);
         let step_m = (to_m - from_m) / OUTLINE as f64;
         let line = |side: f64| {
             let point = |index: usize| {
                 let foot = path.at(from_m + index as f64 * step_m);
                 let [nx, ny] = foot.normal();
                 let [x_m, y_m] = [foot.x_m + side * nx, foot.y_m + side * ny];
-                [x_m as f32, y_m as f32]
+                [rounded(x_m), rounded(y_m)]
             };
             (0..=OUTLINE).map(point).collect()
         };
@@ -156,6 +157,14 @@ impl Outline {
             right_m: line(half_width_m),
         }
     }
+}
+
+fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10_f64.powi(4 - value.abs().log10().floor() as i32);
+    (value * scale).round() / scale
 }
 
 /// The part of an open path that robots were on, and a little more.
@@ -178,11 +187,11 @@ fn reach(scenario: &Scenario, ticks: &[Tick]) -> [f64; 2] {
 impl RobotLines {
     fn new(robot: usize, ticks: &[Tick]) -> Self {
         let own: Vec<&Tick> = ticks.iter().filter(|tick| tick.robot == robot).collect();
-        let line = |read: fn(&Tick) -> f64| own.iter().map(|tick| read(tick) as f32).collect();
+        let line = |read: fn(&Tick) -> f64| own.iter().map(|tick| rounded(read(tick))).collect();
         let mut last_stamp_s = f64::NAN;
         let age = |tick: &&Tick| {
             last_stamp_s = tick.seen.map_or(last_stamp_s, |seen| seen.stamp_s);
-            (tick.time_s - last_stamp_s) as f32
+            rounded(tick.time_s - last_stamp_s)
         };
         let names: Vec<String> = own.iter().map(|tick| tick.outcome_name()).collect();
         let spans = names.chunk_by(|a, b| a == b);
@@ -206,8 +215,14 @@ impl RobotLines {
             v1: line(|t| t.lyapunov(0)),
             v2: line(|t| t.lyapunov(1)),
             v3: line(|t| t.lyapunov(2)),
-            slack: [line(|t| t.slack(0)), line(|t| t.slack(1)), line(|t| t.slack(2))],
-            outcome: spans.filter_map(|span| Some((span.first()?.clone(), span.len()))).collect(),
+            slack: [
+                line(|t| t.slack(0)),
+                line(|t| t.slack(1)),
+                line(|t| t.slack(2)),
+            ],
+            outcome: spans
+                .filter_map(|span| Some((span.first()?.clone(), span.len())))
+                .collect(),
             pose_age_s: own.iter().map(age).collect(),
             step_us: line(|t| t.step_us),
         }

@@ -41,7 +41,8 @@ impl Link {
             heading_rad: pose.heading_rad + disturbances.heading_noise_rad * turn,
         };
         let arrival_s = stamp_s + disturbances.latency_s - early;
-        self.under_way.push((arrival_s, StampedPose { stamp_s, pose }));
+        self.under_way
+            .push((arrival_s, StampedPose { stamp_s, pose }));
     }
 
     /// The newest of the poses that have arrived by `now_s`; older ones are forgotten.

@@ -97,9 +97,13 @@ fn difference(tick: &Tick, outcome: &str, logged: &[f64; DECIDED.len()]) -> Opti
     if computed != outcome {
         return Some(differs("outcome", outcome.to_owned(), computed));
     }
-    DECIDED.iter().zip(logged).find_map(|((name, read), logged)| {
-        let computed = read(tick);
-        let same = computed.to_bits() == logged.to_bits() || (computed.is_nan() && logged.is_nan());
-        (!same).then(|| differs(name, format!("{logged:?}"), format!("{computed:?}")))
-    })
+    DECIDED
+        .iter()
+        .zip(logged)
+        .find_map(|((name, read), logged)| {
+            let computed = read(tick);
+            let same =
+                computed.to_bits() == logged.to_bits() || (computed.is_nan() && logged.is_nan());
+            (!same).then(|| differs(name, format!("{logged:?}"), format!("{computed:?}")))
+        })
 }

@@ -117,11 +117,11 @@ const KNOWN: [(&str, Read); 9] = [
         t.truth.map_or(f64::NAN, |t| t.state.turn_rate_rad_s)
     }),
     ("true_h_headway_m", |t| {
-        t.truth
-            .and_then(|t| t.safety.headway_m)
-            .unwrap_or(f64::NAN)
+        t.truth.and_then(|t| t.safety.headway_m).unwrap_or(f64::NAN)
     }),
-    ("true_h_lane", |t| t.truth.map_or(f64::NAN, |t| t.safety.lane)),
+    ("true_h_lane", |t| {
+        t.truth.map_or(f64::NAN, |t| t.safety.lane)
+    }),
     ("true_deviation_m", |t| {
         t.truth.map_or(f64::NAN, |t| t.safety.deviation_m)
     }),

@@ -1,8 +1,8 @@
 //! Controllers beside recorded motion: they decide at every step, and the robots do what they did.
 
 use unicycle_cbf::{
-    ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds,
-    StampedPose, Testbed, Tracker,
+    ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
+    Testbed, Tracker,
 };
 
 use crate::convoy::Convoy;
@@ -25,18 +25,27 @@ pub fn scenario_of(
     settings: ControllerSettings,
 ) -> Result<ScenarioSpec, Error> {
     let last = recording.robots.last().map(|robot| robot.poses.as_slice());
-    let poses = last.filter(|poses| !poses.is_empty()).ok_or(Error::NoPoses)?;
-    let mean = |part: fn(&RecordedPose) -> f64| {
-        poses.iter().map(part).sum::<f64>() / poses.len() as f64
-    };
+    let poses = last
+        .filter(|poses| !poses.is_empty())
+        .ok_or(Error::NoPoses)?;
+    let mean =
+        |part: fn(&RecordedPose) -> f64| poses.iter().map(part).sum::<f64>() / poses.len() as f64;
     let (x_m, y_m) = (mean(|pose| pose.x_m), mean(|pose| pose.y_m));
     let radius = |pose: &RecordedPose| (pose.x_m - x_m).hypot(pose.y_m - y_m);
     let radius_m = (poses.iter().map(radius).sum::<f64>() / poses.len() as f64).max(0.1);
     let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / 64.0;
-    let point = |i| [x_m + radius_m * f64::cos(angle(i)), y_m + radius_m * f64::sin(angle(i))];
+    let point = |i| {
+        [
+            x_m + radius_m * f64::cos(angle(i)),
+            y_m + radius_m * f64::sin(angle(i)),
+        ]
+    };
     let mut controller = settings;
     controller.lane.half_width_m = 0.9 * radius_m;
-    let end_s = recording.robots.iter().filter_map(|robot| robot.poses.last());
+    let end_s = recording
+        .robots
+        .iter()
+        .filter_map(|robot| robot.poses.last());
     Ok(ScenarioSpec {
         name: "recorded".to_owned(),
         testbed: testbed.name().to_owned(),
@@ -47,7 +56,10 @@ pub fn scenario_of(
         },
         body: testbed.body(),
         controller,
-        robots: (0..recording.robots.len()).rev().map(|place| robot(place, recording.robots.len())).collect(),
+        robots: (0..recording.robots.len())
+            .rev()
+            .map(|place| robot(place, recording.robots.len()))
+            .collect(),
     })
 }
 
@@ -143,10 +155,18 @@ impl<'a> Track<'a> {
 
     fn newest(&mut self, now_s: f64) -> Option<StampedPose> {
         let before = self.next;
-        while self.poses.get(self.next).is_some_and(|pose| pose.time_s <= now_s) {
+        while self
+            .poses
+            .get(self.next)
+            .is_some_and(|pose| pose.time_s <= now_s)
+        {
             self.next += 1;
         }
-        if self.next > before { self.last() } else { None }
+        if self.next > before {
+            self.last()
+        } else {
+            None
+        }
     }
 
     fn last(&self) -> Option<StampedPose> {

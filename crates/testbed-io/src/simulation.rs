@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use unicycle_cbf::{Decision, Safety, Scenario, State, WheelSpeeds};
+use unicycle_cbf::{Controller, Decision, Safety, Scenario, StampedPose, State, WheelSpeeds};
 
 use crate::convoy::Convoy;
 use crate::disturbances::{Disturbances, Random};
@@ -26,12 +26,6 @@ pub struct Simulation<'a> {
     pub seed: u64,
 }
 
-struct Robot {
-    plant: Plant,
-    link: Link,
-    random: Random,
-}
-
 impl Simulation<'_> {
     /// Runs all steps and gives each tick to `record`, for each step the robots from the back.
     ///
@@ -40,97 +34,117 @@ impl Simulation<'_> {
     /// A disturbance out of its range.
     pub fn run(&self, mut record: impl FnMut(&Tick)) -> Result<Summary, Error> {
         self.disturbances.check()?;
-        let scenario = self.scenario;
         let mut robots = self.robots();
-        let mut convoy = Convoy::new(scenario);
-        let mut summary = Summarising::new(scenario);
-        let mut decided: Vec<(Option<Decision>, f64)> = vec![(None, 0.0); robots.len()];
-        let mut truths = vec![None; robots.len()];
-        let mut targets = vec![WheelSpeeds::default(); robots.len()];
-        for step in 0..scenario.steps() {
-            let now_s = scenario.time_s(step);
-            let mut seen = [None; MAX_ROBOTS];
-            for (robot, own) in robots.iter_mut().enumerate() {
-                let pose = own.plant.pose();
-                own.link.see(now_s, pose, &self.disturbances, &mut own.random);
-                seen[robot] = own.link.newest(now_s);
-                if let Some(pose) = seen[robot] {
-                    convoy.observe(robot, pose);
+        let mut convoy = Convoy::new(self.scenario);
+        let mut summary = Summarising::new(self.scenario);
+        for step in 0..self.scenario.steps() {
+            let now_s = self.scenario.time_s(step);
+            for (index, robot) in robots.iter_mut().enumerate() {
+                robot.see(now_s, &self.disturbances);
+                if let Some(seen) = robot.seen {
+                    convoy.observe(index, seen);
                 }
             }
-            for robot in (0..robots.len()).rev() {
-                let start = Instant::now();
-                let decision = convoy.step(robot, now_s);
-                decided[robot] = (Some(decision), start.elapsed().as_secs_f64() * 1e6);
+            for (index, robot) in robots.iter_mut().enumerate().rev() {
+                robot.decide(&mut convoy, index, now_s);
             }
-            for (robot, own) in robots.iter_mut().enumerate() {
-                if let Some(decision) = &decided[robot].0 {
-                    targets[robot] = own.plant.command(decision.wheels);
+            advance(&mut robots, self.scenario.controller());
+            for (index, robot) in robots.iter().enumerate().rev() {
+                if let Some(tick) = robot.tick(step, index, now_s) {
+                    summary.add(&tick);
+                    record(&tick);
                 }
-            }
-            self.advance(&mut robots, &targets, &mut truths);
-            for robot in (0..robots.len()).rev() {
-                let (Some(decision), step_us) = decided[robot] else {
-                    continue;
-                };
-                let tick = Tick {
-                    tick: step,
-                    robot,
-                    time_s: now_s,
-                    seen: seen[robot],
-                    decision,
-                    truth: truths[robot],
-                    step_us,
-                };
-                summary.add(&tick);
-                record(&tick);
             }
         }
         Ok(summary.finished())
     }
 
     fn robots(&self) -> Vec<Robot> {
-        let scenario = self.scenario;
-        let disturbances = &self.disturbances;
-        let mut random = Random::new(self.seed);
+        let (scenario, disturbances) = (self.scenario, &self.disturbances);
         let starts = scenario.starts();
-        let spans = outages(starts.len(), scenario.spec().duration_s, disturbances, &mut random);
+        let mut random = Random::new(self.seed);
+        let duration_s = scenario.spec().duration_s;
+        let spans = outages(starts.len(), duration_s, disturbances, &mut random);
         let robots = starts.iter().zip(spans).enumerate();
         robots
-            .map(|(robot, (start, spans))| {
+            .map(|(index, (start, spans))| {
                 let body = *scenario.controller().body();
-                let speeds = scenario.initial_speeds(robot);
-                let mut own = Random::new(self.seed ^ ((robot as u64 + 1) << 48));
+                let speeds = scenario.initial_speeds(index);
+                let mut random = Random::new(self.seed ^ ((index as u64 + 1) << 48));
                 Robot {
-                    plant: Plant::new(body, *start, speeds, disturbances, &mut own),
+                    plant: Plant::new(body, *start, speeds, disturbances, &mut random),
                     link: Link::new(spans),
-                    random: own,
+                    random,
+                    seen: None,
+                    decision: None,
+                    step_us: 0.0,
+                    target: WheelSpeeds::default(),
+                    truth: None,
                 }
             })
             .collect()
     }
+}
 
-    /// One period of all robots; the truths are the states at its start, after the commands, and the least barriers over it.
-    fn advance(&self, robots: &mut [Robot], targets: &[WheelSpeeds], truths: &mut [Option<Truth>]) {
-        let controller = self.scenario.controller();
-        let part_s = controller.hold_s() / SUBSTEPS as f64;
-        for part in 0..=SUBSTEPS {
-            let mut ahead: Option<State> = None;
-            for (robot, own) in robots.iter_mut().enumerate() {
-                if part > 0 {
-                    own.plant.advance(targets[robot], part_s);
-                }
-                let state = own.plant.state();
-                let safety = controller.safety(&state, ahead.as_ref());
-                truths[robot] = Some(match truths[robot] {
-                    Some(truth) if part > 0 => Truth {
-                        safety: worse(truth.safety, safety),
-                        ..truth
-                    },
-                    _ => Truth { state, safety },
-                });
-                ahead = Some(state);
+/// One simulated robot, and what happened to it in the present step.
+struct Robot {
+    plant: Plant,
+    link: Link,
+    random: Random,
+    seen: Option<StampedPose>,
+    decision: Option<Decision>,
+    step_us: f64,
+    target: WheelSpeeds,
+    truth: Option<Truth>,
+}
+
+impl Robot {
+    fn see(&mut self, now_s: f64, disturbances: &Disturbances) {
+        let pose = self.plant.pose();
+        self.link.see(now_s, pose, disturbances, &mut self.random);
+        self.seen = self.link.newest(now_s);
+    }
+
+    fn decide(&mut self, convoy: &mut Convoy, index: usize, now_s: f64) {
+        let start = Instant::now();
+        let decision = convoy.step(index, now_s);
+        self.step_us = start.elapsed().as_secs_f64() * 1e6;
+        self.target = self.plant.command(decision.wheels);
+        self.decision = Some(decision);
+    }
+
+    fn tick(&self, step: usize, robot: usize, time_s: f64) -> Option<Tick> {
+        Some(Tick {
+            tick: step,
+            robot,
+            time_s,
+            seen: self.seen,
+            decision: self.decision?,
+            truth: self.truth,
+            step_us: self.step_us,
+        })
+    }
+}
+
+/// One period of all robots, from the front. A truth is the state at its start, after the command, and the least barriers over it.
+fn advance(robots: &mut [Robot], controller: &Controller) {
+    let part_s = controller.hold_s() / SUBSTEPS as f64;
+    for part in 0..=SUBSTEPS {
+        let mut ahead: Option<State> = None;
+        for robot in robots.iter_mut() {
+            if part > 0 {
+                robot.plant.advance(robot.target, part_s);
             }
+            let state = robot.plant.state();
+            let safety = controller.safety(&state, ahead.as_ref());
+            robot.truth = Some(match robot.truth {
+                Some(truth) if part > 0 => Truth {
+                    safety: worse(truth.safety, safety),
+                    ..truth
+                },
+                _ => Truth { state, safety },
+            });
+            ahead = Some(state);
         }
     }
 }
@@ -149,6 +163,3 @@ fn worse(a: Safety, b: Safety) -> Safety {
         },
     }
 }
-
-/// As many robots as a scenario may have.
-const MAX_ROBOTS: usize = 64;

@@ -84,8 +84,15 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&report, &document.body.violations))?,
     }
-    let safe = report.totals.iter().all(|total| total.tally.violations == 0);
-    Ok(if safe { Outcome::Done } else { Outcome::Negative })
+    let safe = report
+        .totals
+        .iter()
+        .all(|total| total.tally.violations == 0);
+    Ok(if safe {
+        Outcome::Done
+    } else {
+        Outcome::Negative
+    })
 }
 
 impl CampaignArgs {
@@ -95,7 +102,8 @@ impl CampaignArgs {
         } else {
             self.testbed.iter().map(|name| (*name).into()).collect()
         };
-        let wanted = |name: &str| self.scenario.is_empty() || self.scenario.iter().any(|s| s == name);
+        let wanted =
+            |name: &str| self.scenario.is_empty() || self.scenario.iter().any(|s| s == name);
         let of = |testbed: &Testbed| {
             let testbed = *testbed;
             let names = testbed.scenarios().iter().filter(|name| wanted(name));
@@ -187,7 +195,10 @@ fn cells(tally: &Tally) -> [String; COLUMNS.len()] {
     ]
 }
 
-fn table(names: &[&str], rows: impl Iterator<Item = (Vec<String>, [String; COLUMNS.len()])>) -> String {
+fn table(
+    names: &[&str],
+    rows: impl Iterator<Item = (Vec<String>, [String; COLUMNS.len()])>,
+) -> String {
     let header = names.iter().chain(&COLUMNS).map(|name| (*name).to_owned());
     let mut table = Table::with_columns(header.collect());
     for (mut row, cells) in rows {
@@ -203,7 +214,12 @@ fn text(report: &CampaignReport, violations: &[Listed]) -> String {
         (names.map(str::to_owned).to_vec(), cells(&total.tally))
     });
     let rows = report.rows.iter().map(|row| {
-        let names = [row.preset.name(), row.disturbance.name(), row.testbed, &row.scenario];
+        let names = [
+            row.preset.name(),
+            row.disturbance.name(),
+            row.testbed,
+            &row.scenario,
+        ];
         (names.map(str::to_owned).to_vec(), cells(&row.tally))
     });
     let listed: String = violations

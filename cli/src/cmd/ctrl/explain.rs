@@ -5,7 +5,9 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use unicycle_cbf::cbf::LaneBarrier;
-use unicycle_cbf::{Controller, Decision, Deviation, Leader, Lie, Outcome as Rung, RowKind, Scenario, State};
+use unicycle_cbf::{
+    Controller, Decision, Deviation, Leader, Lie, Outcome as Rung, RowKind, Scenario, State,
+};
 
 use super::scenario::ScenarioArgs;
 use crate::exit::Outcome;
@@ -75,7 +77,11 @@ pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outco
             output::print_text(&texts.join("\n"))?;
         }
     }
-    Ok(if braking { Outcome::Negative } else { Outcome::Done })
+    Ok(if braking {
+        Outcome::Negative
+    } else {
+        Outcome::Done
+    })
 }
 
 fn parse(text: &str) -> serde_json::Result<Vec<StateSpec>> {
@@ -189,7 +195,9 @@ impl Explained {
             lf_v: lyapunov.map(|v| v.map(|lie| lie.lf)),
             lg_v: lyapunov.map(|v| v.map(|lie| lie.lg)),
             headway: terms.and_then(|t| t.headway).map(LieEntry::from),
-            lane: terms.map_or_else(Vec::new, |t| t.lane.iter().map(|(_, lie)| lie.into()).collect()),
+            lane: terms.map_or_else(Vec::new, |t| {
+                t.lane.iter().map(|(_, lie)| lie.into()).collect()
+            }),
             deviation_m: terms.map(|t| t.lateral.deviation_m),
             rows: terms.map_or_else(Vec::new, |t| t.rows.kinds().to_vec()),
             a: rows.iter().map(|row| row.a).collect(),
@@ -238,7 +246,15 @@ impl Explained {
         }
         let _ = writeln!(text, "{}", functions.render());
         let mut rows = Table::new([
-            "row", "force", "torque", "δ1", "δ2", "δ3", "≤ b", "multiplier", "active",
+            "row",
+            "force",
+            "torque",
+            "δ1",
+            "δ2",
+            "δ3",
+            "≤ b",
+            "multiplier",
+            "active",
         ]);
         for (i, name) in self.rows.iter().enumerate() {
             let [a0, a1, a2, a3, a4] = self.a[i].map(|a| number(a, 4));
@@ -262,7 +278,9 @@ impl Explained {
             );
         }
         let outcome = match (&self.relaxed, self.braking) {
-            (Some(Relaxed { row, by }), _) => format!("relaxed: {} gave way by {by:.4}", row.name()),
+            (Some(Relaxed { row, by }), _) => {
+                format!("relaxed: {} gave way by {by:.4}", row.name())
+            }
             (None, Some(reason)) => format!("braking: {reason}"),
             (None, None) => "every row holds".to_owned(),
         };

@@ -72,7 +72,9 @@ pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcom
     match (args.poses, args.files.as_slice()) {
         (Some(layout), files) => beside(args, files, layout.into(), context),
         (None, [file]) => again(args, file, context),
-        (None, _) => anyhow::bail!("one run log at a time; for poses recorded elsewhere give --poses"),
+        (None, _) => {
+            anyhow::bail!("one run log at a time; for poses recorded elsewhere give --poses")
+        }
     }
 }
 
@@ -96,7 +98,10 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
         replay: &replay,
     };
     if body.truncated {
-        output::note(context, &format!("{} is cut off; what is whole was replayed", file.display()));
+        output::note(
+            context,
+            &format!("{} is cut off; what is whole was replayed", file.display()),
+        );
     }
     match context.format {
         Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
@@ -111,7 +116,10 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
 
 fn again_text(replay: &Replay) -> String {
     match &replay.first {
-        None => format!("{} decisions, every one the same bit for bit\n", replay.decisions),
+        None => format!(
+            "{} decisions, every one the same bit for bit\n",
+            replay.decisions
+        ),
         Some(first) => format!(
             "{} decisions, {} differ; the first at step {}, robot {}: {} was {}, is {}\n",
             replay.decisions,
@@ -160,12 +168,16 @@ fn beside(
     };
     let scenario = Scenario::new(spec)?;
     let (ticks, summary) = shadow(&scenario, &recording)?;
-    let robots = recording.robots.iter().enumerate().map(|(robot, recorded)| Recorded {
-        name: &recorded.name,
-        poses: recorded.poses.len(),
-        findings: &recorded.findings,
-        outcomes: testbed_io::outcomes_of(&ticks, robot),
-    });
+    let robots = recording
+        .robots
+        .iter()
+        .enumerate()
+        .map(|(robot, recorded)| Recorded {
+            name: &recorded.name,
+            poses: recorded.poses.len(),
+            findings: &recorded.findings,
+            outcomes: testbed_io::outcomes_of(&ticks, robot),
+        });
     let body = Beside {
         robots: robots.collect(),
         rate_hz: scenario.spec().rate_hz,
@@ -182,7 +194,10 @@ fn beside(
 fn beside_text(body: &Beside) -> String {
     let mut table = Table::new(["robot", "poses", "findings", "outcomes of the controller"]);
     for robot in &body.robots {
-        let outcomes = robot.outcomes.iter().map(|(name, count)| format!("{name} {count}"));
+        let outcomes = robot
+            .outcomes
+            .iter()
+            .map(|(name, count)| format!("{name} {count}"));
         let findings = robot.findings.iter().map(|finding| finding.detail.clone());
         table.row([
             robot.name.to_owned(),

@@ -60,7 +60,11 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(&toml::to_string(&named.spec)?)?;
         return Ok(Outcome::Done);
     }
-    let format = args.output.as_deref().map(LogFormat::from_path).transpose()?;
+    let format = args
+        .output
+        .as_deref()
+        .map(LogFormat::from_path)
+        .transpose()?;
     for path in args.output.iter().chain(&args.report) {
         output::check_file_place(path)?;
     }
@@ -171,12 +175,28 @@ fn text(named: &Named, summary: &Summary, timing: &Timing) -> String {
     let mut row = |name: &str, value: String, unit: &str| {
         table.row([name.to_owned(), value, unit.to_owned()]);
     };
-    row("least headway barrier", number(summary.min_h_headway_m.map(|h| 1e3 * h), 1), "mm");
+    row(
+        "least headway barrier",
+        number(summary.min_h_headway_m.map(|h| 1e3 * h), 1),
+        "mm",
+    );
     row("least lane barrier", number(summary.min_h_lane, 4), "");
-    row("distance to the edge of the lane", number(1e3 * summary.lane_clearance_m, 1), "mm");
-    row("largest deviation from the path", number(1e3 * summary.max_abs_lateral_m, 1), "mm");
+    row(
+        "distance to the edge of the lane",
+        number(1e3 * summary.lane_clearance_m, 1),
+        "mm",
+    );
+    row(
+        "largest deviation from the path",
+        number(1e3 * summary.max_abs_lateral_m, 1),
+        "mm",
+    );
     row("mean speed", number(summary.mean_speed_mps, 3), "m/s");
-    row("mean speed, last 5 s", number(summary.final_speed_mps, 3), "m/s");
+    row(
+        "mean speed, last 5 s",
+        number(summary.final_speed_mps, 3),
+        "m/s",
+    );
     row("steps, optimal", summary.outcomes.optimal.to_string(), "");
     row("steps, relaxed", summary.outcomes.relaxed.to_string(), "");
     row("steps, braking", summary.outcomes.braking.to_string(), "");

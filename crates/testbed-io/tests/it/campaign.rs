@@ -22,26 +22,46 @@ fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
 
 #[test]
 fn the_hardened_preset_holds_under_everything_at_once() {
-    let report = campaign(&[Preset::Hardened], &[Group::All], 130).run(&|| {}).unwrap();
+    let report = campaign(&[Preset::Hardened], &[Group::All], 130)
+        .run(&|| {})
+        .unwrap();
     let tally = &report.totals[0].tally;
-    assert_eq!((tally.runs, tally.violations), (130, 0), "{:?}", report.violations);
+    assert_eq!(
+        (tally.runs, tally.violations),
+        (130, 0),
+        "{:?}",
+        report.violations
+    );
     assert!(tally.min_h_headway_m.unwrap() > 0.0 && tally.min_lane_clearance_m > 0.0);
 }
 
 #[test]
 fn every_violation_is_counted_and_its_seed_repeats_it() {
-    let report = campaign(&[Preset::Thesis], &[Group::None, Group::All], 65).run(&|| {}).unwrap();
+    let report = campaign(&[Preset::Thesis], &[Group::None, Group::All], 65)
+        .run(&|| {})
+        .unwrap();
     let (calm, rough) = (&report.totals[0].tally, &report.totals[1].tally);
     assert_eq!(calm.violations, 0, "{:?}", report.violations);
     assert!(rough.violations > 20, "{}", rough.violations);
-    let rows = report.rows.iter().filter(|row| row.disturbance == Group::All);
-    assert_eq!(rows.map(|row| row.tally.violations).sum::<usize>(), rough.violations);
+    let rows = report
+        .rows
+        .iter()
+        .filter(|row| row.disturbance == Group::All);
+    assert_eq!(
+        rows.map(|row| row.tally.violations).sum::<usize>(),
+        rough.violations
+    );
     assert_eq!(report.violations.len(), 20);
     for violation in &report.violations {
-        let testbed = Testbed::ALL.into_iter().find(|t| t.name() == violation.testbed).unwrap();
+        let testbed = Testbed::ALL
+            .into_iter()
+            .find(|t| t.name() == violation.testbed)
+            .unwrap();
         let spec = RunSpec {
             seed: violation.seed,
-            scenario: testbed.scenario(&violation.scenario, violation.preset).unwrap(),
+            scenario: testbed
+                .scenario(&violation.scenario, violation.preset)
+                .unwrap(),
             disturbances: Disturbances::HARD.only(violation.disturbance),
         };
         let (_, summary) = spec.simulate().unwrap();
@@ -55,7 +75,10 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
 fn the_number_of_threads_changes_nothing() {
     let campaign = campaign(&[Preset::Hardened], &[Group::All], 26);
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         let mut report = pool.install(|| campaign.run(&|| {})).unwrap();
         (report.seconds, report.simulated_s_per_s) = (0.0, 0.0);
         report

@@ -14,7 +14,11 @@ fn with(testbed: Testbed, name: &str, form: Literal) -> Summary {
     undisturbed(scenario)
 }
 
-fn controller(testbed: Testbed, name: &str, change: impl Fn(&mut ControllerSettings)) -> Controller {
+fn controller(
+    testbed: Testbed,
+    name: &str,
+    change: impl Fn(&mut ControllerSettings),
+) -> Controller {
     let mut scenario = testbed.scenario(name, Preset::Thesis).unwrap();
     change(&mut scenario.controller);
     Scenario::new(scenario).unwrap().controller().clone()
@@ -42,7 +46,10 @@ fn without_margins_every_run_dips_below_zero_between_samples() {
 fn the_printed_sign_of_barrier_rows_protects_from_safety() {
     for (testbed, name, _) in THESIS {
         let summary = with(testbed, name, Literal::BarrierSign);
-        assert!(!summary.safe && summary.min_h_headway_m.unwrap() < -0.05, "{name}: {summary:?}");
+        assert!(
+            !summary.safe && summary.min_h_headway_m.unwrap() < -0.05,
+            "{name}: {summary:?}"
+        );
     }
 }
 
@@ -118,10 +125,15 @@ fn an_angle_rate_without_a_sign_is_wrong_clockwise_and_undefined_at_rest() {
         let controller = controller(Testbed::Khepera, "on-off", |settings| {
             settings.literal = literal.to_vec();
         });
-        controller.decide(&still, None, &controller.objectives(0.2), 0.0).outcome
+        controller
+            .decide(&still, None, &controller.objectives(0.2), 0.0)
+            .outcome
     };
     let reason = Brake::NotFinite;
-    assert_eq!(outcome(&[Literal::UnsignedAngleRate]), Outcome::Braking { reason });
+    assert_eq!(
+        outcome(&[Literal::UnsignedAngleRate]),
+        Outcome::Braking { reason }
+    );
     assert_eq!(outcome(&[]), Outcome::Optimal);
 }
 
@@ -154,7 +166,11 @@ fn the_switching_lane_barrier_is_positive_outside_the_lane() {
 /// The weight of `δ3` is `p5`: with `p3` decaying in its place the robot gives up its speed and never leaves the path.
 #[test]
 fn decaying_the_third_weight_gives_up_the_speed_and_not_the_path() {
-    let corrected = undisturbed(Testbed::Robotarium.scenario("decay", Preset::Thesis).unwrap());
+    let corrected = undisturbed(
+        Testbed::Robotarium
+            .scenario("decay", Preset::Thesis)
+            .unwrap(),
+    );
     let literal = with(Testbed::Robotarium, "decay", Literal::DecayingSpeedWeight);
     assert!(corrected.max_abs_lateral_m > 0.038 && literal.max_abs_lateral_m < 0.01);
     assert!(corrected.final_speed_mps > 0.04 && literal.final_speed_mps < 0.01);

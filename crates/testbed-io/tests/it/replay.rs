@@ -40,7 +40,12 @@ fn a_changed_decision_and_a_changed_pose_are_found() {
     assert_eq!((replay.different, replay.first.unwrap().column), (1, "x_m"));
 
     let mut changed = log.clone();
-    let row = changed.rows.iter_mut().skip(600).find(|row| row.seen.is_some()).unwrap();
+    let row = changed
+        .rows
+        .iter_mut()
+        .skip(600)
+        .find(|row| row.seen.is_some())
+        .unwrap();
     row.seen.as_mut().unwrap().pose.x_m += 1e-6;
     assert!(changed.replay().unwrap().different > 10);
 

@@ -8,8 +8,16 @@ use unicycle_cbf::{Preset, ScenarioSpec, Testbed};
 pub(crate) const THESIS: [(Testbed, &str, [f64; 4]); 5] = [
     (Testbed::Khepera, "on-off", [0.0042, 0.077, 0.144, 0.095]),
     (Testbed::Khepera, "decay", [0.0041, 0.056, 0.146, 0.113]),
-    (Testbed::Robotarium, "on-off", [0.0021, 0.0013, 0.0387, 0.045]),
-    (Testbed::Robotarium, "decay", [0.0021, 0.0013, 0.0388, 0.046]),
+    (
+        Testbed::Robotarium,
+        "on-off",
+        [0.0021, 0.0013, 0.0387, 0.045],
+    ),
+    (
+        Testbed::Robotarium,
+        "decay",
+        [0.0021, 0.0013, 0.0388, 0.046],
+    ),
     (Testbed::Robotarium, "track", [0.0027, 0.134, 0.0159, 0.092]),
 ];
 
@@ -38,7 +46,10 @@ fn the_five_runs_of_the_thesis_are_safe_without_a_fallback() {
         assert!(summary.min_h_lane >= 0.0 && summary.max_abs_lateral_m < half_width_m);
         assert_eq!((summary.outcomes.relaxed, summary.outcomes.braking), (0, 0));
         let least = summary.min_h_headway_m.unwrap();
-        assert!(least >= 0.0 && (least - headway_m).abs() < 5e-4, "{name}: {least}");
+        assert!(
+            least >= 0.0 && (least - headway_m).abs() < 5e-4,
+            "{name}: {least}"
+        );
         assert!((0.03..0.13).contains(&summary.final_speed_mps));
     }
 }
@@ -58,14 +69,19 @@ fn the_run_with_the_tracker_on_is_that_of_an_independent_simulation() {
         (summary.max_abs_lateral_m, deviation_m, 1e-4),
         (summary.final_speed_mps, speed_mps, 1e-3),
     ] {
-        assert!((found - expected).abs() < 0.55 * digit, "{found} in place of {expected}");
+        assert!(
+            (found - expected).abs() < 0.55 * digit,
+            "{found} in place of {expected}"
+        );
     }
     assert!(clipped.max_abs_lateral_m > 1.7 * deviation_m);
 }
 
 #[test]
 fn a_leader_a_quarter_ahead_makes_the_track_run_start_unsafe() {
-    let mut scenario = Testbed::Robotarium.scenario("track", Preset::Thesis).unwrap();
+    let mut scenario = Testbed::Robotarium
+        .scenario("track", Preset::Thesis)
+        .unwrap();
     scenario.robots[0].start = 0.25;
     let summary = undisturbed(scenario);
     assert_eq!(summary.first_unsafe_s, Some(0.0));
@@ -74,7 +90,9 @@ fn a_leader_a_quarter_ahead_makes_the_track_run_start_unsafe() {
 
 #[test]
 fn the_same_run_gives_the_same_bits() {
-    let scenario = Testbed::Khepera.scenario("decay", Preset::Hardened).unwrap();
+    let scenario = Testbed::Khepera
+        .scenario("decay", Preset::Hardened)
+        .unwrap();
     let spec = RunSpec {
         seed: 5,
         scenario,
@@ -91,14 +109,20 @@ fn the_same_run_gives_the_same_bits() {
 
 #[test]
 fn without_disturbances_the_seed_does_not_matter() {
-    let scenario = || Testbed::Robotarium.scenario("on-off", Preset::Thesis).unwrap();
+    let scenario = || {
+        Testbed::Robotarium
+            .scenario("on-off", Preset::Thesis)
+            .unwrap()
+    };
     let none = Disturbances::default();
     assert_eq!(run(scenario(), none, 1), run(scenario(), none, 2));
 }
 
 #[test]
 fn disturbances_out_of_range_are_named() {
-    let scenario = Testbed::Robotarium.scenario("track", Preset::Thesis).unwrap();
+    let scenario = Testbed::Robotarium
+        .scenario("track", Preset::Thesis)
+        .unwrap();
     for (disturbances, words) in [
         (
             Disturbances {
@@ -153,7 +177,10 @@ fn a_robot_that_starts_outside_its_lane_comes_back_and_the_run_says_so() {
         assert_eq!((summary.safe, summary.first_unsafe_s), (false, Some(0.0)));
         let last = run.ticks.iter().rev().find(|tick| tick.robot == 1).unwrap();
         let deviation_m = last.truth.unwrap().safety.deviation_m;
-        assert!(deviation_m.abs() < half_width_m, "{preset:?}: {deviation_m}");
+        assert!(
+            deviation_m.abs() < half_width_m,
+            "{preset:?}: {deviation_m}"
+        );
     }
 }
 
@@ -164,7 +191,9 @@ fn prediction_removes_what_latency_does() {
         latency_s: 0.2,
         ..Disturbances::default()
     };
-    let scenario = Testbed::Robotarium.scenario("track", Preset::Thesis).unwrap();
+    let scenario = Testbed::Robotarium
+        .scenario("track", Preset::Thesis)
+        .unwrap();
     let mut predicted = scenario.clone();
     predicted.controller.hardening.predict = true;
     let (plain, predicted) = (run(scenario, late, 1), run(predicted, late, 1));
@@ -180,7 +209,12 @@ fn hardened_runs_survive_every_group_of_disturbances() {
             for group in Group::ALL {
                 let scenario = testbed.scenario(name, Preset::Hardened).unwrap();
                 let summary = run(scenario, Disturbances::HARD.only(group), 11);
-                assert!(summary.safe, "{} {name} {}: {summary:?}", testbed.name(), group.name());
+                assert!(
+                    summary.safe,
+                    "{} {name} {}: {summary:?}",
+                    testbed.name(),
+                    group.name()
+                );
             }
         }
     }

@@ -7,12 +7,17 @@ use testbed_io::{outcomes_of, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
 fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(name);
     path.exists().then_some(path)
 }
 
 fn settings() -> unicycle_cbf::ControllerSettings {
-    Testbed::Robotarium.scenario("straight", Preset::Hardened).unwrap().controller
+    Testbed::Robotarium
+        .scenario("straight", Preset::Hardened)
+        .unwrap()
+        .controller
 }
 
 /// Two robots that go round a circle, with a gap in the poses of the second.
@@ -27,7 +32,11 @@ fn gaps_stop_the_robot_and_all_else_does_not() {
             }
             let angle = 0.1 * time_s + ahead;
             let heading = angle + std::f64::consts::FRAC_PI_2;
-            text += &format!("{time_s},{robot},{},{},{heading}\n", angle.cos(), angle.sin());
+            text += &format!(
+                "{time_s},{robot},{},{},{heading}\n",
+                angle.cos(),
+                angle.sin()
+            );
         }
     }
     let folder = tempfile::tempdir().unwrap();
@@ -40,8 +49,17 @@ fn gaps_stop_the_robot_and_all_else_does_not() {
     let outcomes = outcomes_of(&ticks, 1);
     let stale = outcomes.get("braking-stale-pose").copied().unwrap_or(0);
     assert!((48..=54).contains(&stale), "{outcomes:?}");
-    assert!(outcomes["optimal"] + stale + 2 >= summary.steps, "{outcomes:?}");
-    let speed = ticks.iter().rev().find_map(|tick| tick.truth).unwrap().state.speed_mps;
+    assert!(
+        outcomes["optimal"] + stale + 2 >= summary.steps,
+        "{outcomes:?}"
+    );
+    let speed = ticks
+        .iter()
+        .rev()
+        .find_map(|tick| tick.truth)
+        .unwrap()
+        .state
+        .speed_mps;
     assert!((speed - 0.1).abs() < 1e-3, "{speed}");
 }
 
@@ -70,7 +88,12 @@ fn another_number_of_robots_is_refused() {
         return;
     };
     let recording = read_recording(&[file], RecordingLayout::Auto).unwrap();
-    let scenario = Testbed::Robotarium.scenario("track", Preset::Thesis).unwrap();
+    let scenario = Testbed::Robotarium
+        .scenario("track", Preset::Thesis)
+        .unwrap();
     let error = shadow(&Scenario::new(scenario).unwrap(), &recording).unwrap_err();
-    assert!(error.to_string().contains("2 robots and the recording 1"), "{error}");
+    assert!(
+        error.to_string().contains("2 robots and the recording 1"),
+        "{error}"
+    );
 }
