@@ -102,7 +102,7 @@ fn a_shown_scenario_runs_the_same() {
         "hardened",
     ];
     let more = ["--disturb", "all", "--seed", "9", "--duration", "10"];
-    let with = |first: &[&str]| [first, &flags, &more].concat();
+    let with = |first: &[&'static str]| [first, &flags, &more].concat();
     let shown = drivekit(&with(&["ctrl", "run", "--show-config"]))
         .ok()
         .stdout;

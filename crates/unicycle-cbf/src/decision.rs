@@ -102,6 +102,8 @@ pub struct Terms {
     pub headway: Option<Lie>,
     /// Lane, without margins
     pub lane: LaneBarriers,
+    /// Direction of travel, where it is bounded
+    pub direction: Option<Lie>,
     /// Motion across the path that the lane bounds
     pub lateral: Lateral,
     /// All rows

@@ -50,12 +50,9 @@ impl Controller {
             .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
         let margin_m = margin::lane_m(settings, &moment, state, &lateral);
         self.lane_rows(&mut rows, &lateral, margin_m);
-        if let (Some(angle_rad), Some(frenet)) = (settings.hardening.max_course_angle_rad, &frenet)
-        {
-            let course = frenet.course(self.body(), state);
-            let [first, second] = DIRECTION_RATES_1PS;
-            let h = cbf::direction(&course, angle_rad, first);
-            rows.barrier(RowKind::Direction, &h, second, 0.0);
+        let direction = self.direction(state, frenet.as_ref());
+        if let Some(h) = &direction {
+            rows.barrier(RowKind::Direction, h, DIRECTION_RATES_1PS[1], 0.0);
         }
         if settings.hardening.wheel_rows {
             self.wheel_rows(&mut rows, state);
@@ -63,6 +60,7 @@ impl Controller {
         Terms {
             lyapunov,
             headway,
+            direction,
             lane: self.lane_barriers(&lateral, 0.0),
             lateral,
             rows,
@@ -76,6 +74,12 @@ impl Controller {
             || settings.lane.deviation == Deviation::Frenet
             || settings.headway.distance == Distance::Path
             || settings.hardening.max_course_angle_rad.is_some()
+    }
+
+    fn direction(&self, state: &State, frenet: Option<&Frenet>) -> Option<Lie> {
+        let angle_rad = self.settings().hardening.max_course_angle_rad?;
+        let course = frenet?.course(self.body(), state);
+        Some(cbf::direction(&course, angle_rad, DIRECTION_RATES_1PS[0]))
     }
 
     fn moment(&self, age_s: f64) -> Moment {

@@ -104,6 +104,7 @@ struct Explained {
     lg_v: Option<[[f64; 2]; 3]>,
     headway: Option<LieEntry>,
     lane: Vec<LieEntry>,
+    direction: Option<LieEntry>,
     deviation_m: Option<f64>,
     rows: Vec<RowKind>,
     a: Vec<[f64; 5]>,
@@ -198,6 +199,7 @@ impl Explained {
             lane: terms.map_or_else(Vec::new, |t| {
                 t.lane.iter().map(|(_, lie)| lie.into()).collect()
             }),
+            direction: terms.and_then(|t| t.direction).map(LieEntry::from),
             deviation_m: terms.map(|t| t.lateral.deviation_m),
             rows: terms.map_or_else(Vec::new, |t| t.rows.kinds().to_vec()),
             a: rows.iter().map(|row| row.a).collect(),
@@ -243,6 +245,9 @@ impl Explained {
         }
         for h in &self.lane {
             function("h lane", h.h, h.lf, h.lg);
+        }
+        if let Some(h) = &self.direction {
+            function("h direction", h.h, h.lf, h.lg);
         }
         let _ = writeln!(text, "{}", functions.render());
         let mut rows = Table::new([
