@@ -225,7 +225,7 @@ impl Campaign {
         report.totals.push(Total {
             preset,
             disturbance,
-            tally: Tally::new(summaries.iter()),
+            tally: Tally::new(&summaries.iter().collect::<Vec<_>>()),
         });
         for (index, (testbed, scenario)) in self.scenarios.iter().enumerate() {
             let own = summaries.iter().skip(index).step_by(self.scenarios.len());
@@ -234,7 +234,7 @@ impl Campaign {
                 disturbance,
                 testbed: testbed.name(),
                 scenario: scenario.clone(),
-                tally: Tally::new(own),
+                tally: Tally::new(&own.collect::<Vec<_>>()),
             });
         }
         report.histograms.push(Histograms {
@@ -262,23 +262,22 @@ impl Campaign {
 }
 
 impl Tally {
-    fn new<'a>(summaries: impl Iterator<Item = &'a Summary> + Clone) -> Self {
-        let runs = summaries.clone().count();
-        let count = |which: fn(&Summary) -> bool| summaries.clone().filter(|s| which(s)).count();
-        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
-        let total = |part: fn(&Summary) -> usize| summaries.clone().map(part).sum::<usize>() as f64;
+    fn new(summaries: &[&Summary]) -> Self {
+        let all = || summaries.iter().copied();
+        let count = |which: fn(&Summary) -> bool| all().filter(|s| which(s)).count();
+        let total = |part: fn(&Summary) -> usize| all().map(part).sum::<usize>() as f64;
         let steps = total(|s| s.outcomes.optimal + s.outcomes.relaxed + s.outcomes.braking);
-        let headways = &mut summaries.clone().filter_map(|s| s.min_h_headway_m);
-        let clearances = &mut summaries.clone().map(|s| s.lane_clearance_m);
-        let speeds = summaries.clone().map(|s| s.mean_speed_mps);
+        let headways = all().filter_map(|s| s.min_h_headway_m);
+        let clearances = all().map(|s| s.lane_clearance_m);
+        let speeds = all().map(|s| s.mean_speed_mps);
         Self {
-            runs,
+            runs: summaries.len(),
             violations: count(|s| !s.safe),
             lane_departures: count(|s| s.lane_clearance_m < 0.0),
             headway_violations: count(|s| s.min_h_headway_m.is_some_and(|h| h < 0.0)),
-            min_h_headway_m: least(headways),
-            min_lane_clearance_m: least(clearances).unwrap_or(f64::NAN),
-            mean_speed_mps: speeds.sum::<f64>() / runs as f64,
+            min_h_headway_m: headways.min_by(f64::total_cmp),
+            min_lane_clearance_m: clearances.min_by(f64::total_cmp).unwrap_or(f64::NAN),
+            mean_speed_mps: speeds.sum::<f64>() / summaries.len() as f64,
             relaxed_pct: 100.0 * total(|s| s.outcomes.relaxed) / steps,
             braking_pct: 100.0 * total(|s| s.outcomes.braking) / steps,
         }

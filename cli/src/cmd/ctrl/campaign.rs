@@ -155,15 +155,10 @@ impl<'a> Listed<'a> {
             seed,
             ..
         } = violation;
-        let duration = if duration_s == 60.0 {
-            String::new()
-        } else {
-            format!(" --duration {duration_s}")
-        };
         Self {
             violation,
             command: format!(
-                "drivekit ctrl run --testbed {testbed} --scenario {scenario} --preset {} --disturb {} --seed {seed}{duration}",
+                "drivekit ctrl run --testbed {testbed} --scenario {scenario} --preset {} --disturb {} --seed {seed} --duration {duration_s}",
                 violation.preset.name(),
                 violation.disturbance.name()
             ),
