@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::lateral::{Deviation, Frenet, Lateral, radial};
 use crate::path::Path;
 use crate::pose::State;
-use crate::qp::{self, MAX_ROWS, Row, Status};
+use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
 use crate::rows::RowKind;
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::{Body, Input};
@@ -205,25 +205,28 @@ impl Controller {
             b: 0.0,
         };
         let mut soft = [none; MAX_ROWS];
-        let mut count = 0;
-        for (row, kind) in terms.rows.as_slice().iter().zip(terms.rows.kinds()) {
-            if *kind == RowKind::Direction {
-                continue;
-            }
+        let rows = terms.rows.as_slice();
+        for (soft, (row, kind)) in soft.iter_mut().zip(rows.iter().zip(terms.rows.kinds())) {
             let [a0, a1, a2, a3, a4] = row.a;
             let slack = if kind.is_lane() { -1.0 } else { 0.0 };
-            soft[count] = Row {
-                a: [a0, a1, a2, a3, a4, slack],
-                b: row.b,
-            };
-            count += 1;
+            if *kind != RowKind::Direction {
+                soft.a = [a0, a1, a2, a3, a4, slack];
+                soft.b = row.b;
+            }
         }
         let [w0, w1, w2, w3, w4] = *weights;
-        let solution = qp::solve(&[w0, w1, w2, w3, w4, RELAXATION_WEIGHT], &soft[..count]);
+        let weights = [w0, w1, w2, w3, w4, RELAXATION_WEIGHT];
+        let solution = qp::solve(&weights, &soft[..rows.len()]);
+        let [z0, z1, z2, z3, z4, _] = solution.z;
+        terms.solution = Solution {
+            status: solution.status,
+            z: [z0, z1, z2, z3, z4],
+            multipliers: solution.multipliers,
+            active: solution.active,
+            iterations: solution.iterations,
+        };
         let reason = match solution.status {
             Status::Optimal => {
-                let [z0, z1, z2, z3, z4, _] = solution.z;
-                terms.solution.z = [z0, z1, z2, z3, z4];
                 let (row, by) = most_violated(&terms);
                 return self.decided(Outcome::Relaxed { row, by }, state, terms);
             }
@@ -239,6 +242,9 @@ impl Controller {
         let input = Input { force_n, torque_nm };
         let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
         let wheels = self.body.clipped(speeds);
+        if !wheels.left_mps.is_finite() || !wheels.right_mps.is_finite() {
+            return Decision::braking(Brake::NotFinite, Some(*state), Some(terms));
+        }
         Decision {
             outcome,
             state: Some(*state),

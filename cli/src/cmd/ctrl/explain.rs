@@ -27,13 +27,13 @@ Examples:
   drivekit ctrl explain --state state.json
   drivekit ctrl explain --testbed robotarium --scenario track --preset hardened --state states.json --format json")]
 pub(crate) struct ExplainArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    scenario: ScenarioArgs,
     /// The state or states
     #[arg(long, value_name = "FILE.json")]
     #[serde(skip)]
     state: PathBuf,
+    #[command(flatten)]
+    #[serde(flatten)]
+    scenario: ScenarioArgs,
 }
 
 #[derive(Deserialize)]

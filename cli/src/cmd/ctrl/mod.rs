@@ -15,10 +15,10 @@ use crate::flags::Context;
 #[derive(Debug, Subcommand)]
 #[command(after_help = "\
 Examples:
-  drivekit ctrl run --report run.html                             the thesis's first experiment, with pictures
-  drivekit ctrl run --preset hardened --disturb all --seed 7      noise, latency, lost poses, wrong wheels
-  drivekit ctrl campaign --runs 10000                             does it ever fail?
-  drivekit ctrl replay run.parquet                                every decision once more, bit for bit
+  drivekit ctrl run --report run.html                     the thesis's first experiment
+  drivekit ctrl run --preset hardened --disturb all       noise, latency, lost poses, wrong wheels
+  drivekit ctrl campaign --runs 10000                     does it ever fail?
+  drivekit ctrl replay run.parquet                        every decision again, bit for bit
 
 `ctrl …` is the same as `drivekit ctrl …`.")]
 pub(crate) enum CtrlCommand {

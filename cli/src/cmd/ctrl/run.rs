@@ -23,13 +23,10 @@ use crate::render::table::{Table, number};
 #[command(after_help = "\
 Examples:
   drivekit ctrl run --testbed robotarium --scenario track --report run.html
-  drivekit ctrl run --preset hardened --disturb all --seed 7 -o run.mcap     opens in Foxglove and PlotJuggler
+  drivekit ctrl run --preset hardened --disturb all --seed 7 -o run.mcap   opens in Foxglove
   drivekit ctrl run --show-config > mine.toml && drivekit ctrl run --scenario mine.toml
   drivekit ctrl run --scenario track --testbed robotarium --path oval.csv")]
 pub(crate) struct RunArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    scenario: ScenarioArgs,
     /// Print the scenario as a file and end
     #[arg(long)]
     #[serde(skip)]
@@ -51,6 +48,9 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    scenario: ScenarioArgs,
 }
 
 pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> {

@@ -18,7 +18,7 @@ const UNKNOWN = { kind: 'not known', colour: '--other' };
 const LANE_BARRIERS = {
   quadratic: { unit: 'of 1', scale: 1, digits: 3, words: '1 on the centre line, 0 at the edge, less in sideways motion' },
   braking: { unit: 'mm', scale: 1000, digits: 1, words: 'the distance to the edge less the sideways braking distance' },
-  exponential: { unit: 'mm/s', scale: 1000, digits: 1, words: 'the speed allowed towards the edge less the sideways speed' },
+  exponential: { unit: 'mm', scale: 1000, digits: 1, words: 'the distance to the edge' },
 };
 const OTHER_BARRIER = { unit: '', scale: 1, digits: 3, words: '' };
 

@@ -55,6 +55,15 @@ fn outside_the_lane_the_thesis_barriers_give_way_and_say_so() {
             panic!("{:?}", decision.outcome);
         };
         assert!(row.is_lane() && by > 0.0, "{row:?} {by}");
+        // Multipliers belong to the relaxed program: its lane row pushes, and is counted as active.
+        let terms = decision.terms.unwrap();
+        let relaxed = terms
+            .rows
+            .kinds()
+            .iter()
+            .position(|kind| *kind == row)
+            .unwrap();
+        assert!(terms.solution.is_active(relaxed) && terms.solution.multipliers[relaxed] > 0.0);
     }
 }
 
