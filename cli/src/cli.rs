@@ -18,8 +18,9 @@ Examples:
   drivekit evaluate                         models of the driver of the built-in simulated drives
   drivekit evaluate logs/ --report out.html the same for your logs, with a page of pictures
   drivekit inspect drive.csv                what is in a log, and what is wrong with it
+  drivekit ctrl run --report run.html       robots that keep their lane and their distance
 
-Exit codes: 0 done; 1 a threshold that you gave was missed; 2 an error.")]
+Exit codes: 0 done; 1 a threshold that you gave was missed, or a robot was unsafe; 2 an error.")]
 pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) global: Global,

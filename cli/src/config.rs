@@ -50,31 +50,36 @@ fn with_defaults(mut command: clap::Command, path: &Path) -> anyhow::Result<clap
     for (key, value) in &table {
         let place = format!("`{}`: key `{key}`", path.display());
         command = match value {
-            Value::Table(flags) => with_subcommand_defaults(command, key, flags, path)?,
+            Value::Table(flags) => with_subcommand_defaults(command, &[], key, flags, path)?,
             _ => with_default_everywhere(command, key, value).context(place)?,
         };
     }
     Ok(command)
 }
 
-/// `[evaluate]`, and `[ctrl.run]` for a subcommand of one.
+/// `[evaluate]`, and `[ctrl.run]` for a subcommand of one; `above` are the names of the table around it.
 fn with_subcommand_defaults(
     command: clap::Command,
+    above: &[&str],
     name: &str,
     flags: &Table,
     path: &Path,
 ) -> anyhow::Result<clap::Command> {
+    let names = [above, &[name]].concat();
     let Some(mut subcommand) = command.find_subcommand(name).cloned() else {
-        bail!("`{}`: no subcommand `{name}`", path.display());
+        bail!("`{}`: no subcommand `{}`", path.display(), names.join(" "));
     };
     for (key, value) in flags {
-        let place = format!("`{}`: key `{name}.{key}`", path.display());
         if let Value::Table(flags) = value {
-            subcommand = with_subcommand_defaults(subcommand, key, flags, path)?;
+            subcommand = with_subcommand_defaults(subcommand, &names, key, flags, path)?;
             continue;
         }
+        let place = format!("`{}`: key `{}.{key}`", path.display(), names.join("."));
         if flag_id(&subcommand, key).is_none() {
-            bail!("{place}: `drivekit {name}` has no flag --{key}");
+            bail!(
+                "{place}: `drivekit {}` has no flag --{key}",
+                names.join(" ")
+            );
         }
         subcommand = with_default(subcommand, key, value).context(place)?;
     }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 pub(crate) enum Outcome {
     /// Everything asked for was done.
     Done,
-    /// Done, but a threshold given by the user was missed.
+    /// Done, but a threshold given by the user was missed, or a robot was unsafe.
     Negative,
 }
 

@@ -140,6 +140,36 @@ fn a_shown_scenario_runs_the_same() {
 }
 
 #[test]
+fn a_configuration_file_reaches_subcommands_of_subcommands() {
+    let folder = tempfile::tempdir().unwrap();
+    let shown = |config: &str| {
+        std::fs::write(folder.path().join("c.toml"), config).unwrap();
+        let args = ["ctrl", "run", "--show-config", "--config", "c.toml"];
+        drivekit_in(folder.path(), &args)
+    };
+    for config in [
+        "[ctrl.run]\npreset = \"hardened\"\n",
+        "preset = \"hardened\"\n",
+    ] {
+        assert!(shown(config).ok().stdout.contains("kind = \"exponential\""));
+    }
+    assert!(
+        shown("[ctrl.campaign]\npreset = \"hardened\"\n")
+            .ok()
+            .stdout
+            .contains("kind = \"quadratic\"")
+    );
+    let out = shown("[ctrl.run]\nspeed = 1\n");
+    assert_eq!(out.code, 2);
+    assert!(
+        out.stderr
+            .contains("`drivekit ctrl run` has no flag --speed"),
+        "{}",
+        out.stderr
+    );
+}
+
+#[test]
 fn a_path_from_a_file_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let mut oval = "x_m,y_m\n".to_owned();

@@ -9,6 +9,9 @@ use crate::pose::{Pose, Speeds};
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::Body;
 
+/// Decisions of all robots in a run.
+const MOST_DECISIONS: f64 = 1e6;
+
 /// What a scenario file says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -124,6 +127,7 @@ impl Scenario {
         for (robot, own) in spec.robots.iter().enumerate() {
             own.check(robot)?;
         }
+        spec.check_size()?;
         let starts = spec
             .robots
             .iter()
@@ -244,6 +248,24 @@ impl Scenario {
             });
         }
         Ok(())
+    }
+}
+
+impl ScenarioSpec {
+    /// Runs are kept in memory, a kilobyte or two for a decision.
+    fn check_size(&self) -> Result<(), Error> {
+        let decisions = self.duration_s * self.rate_hz * self.robots.len() as f64;
+        if decisions <= MOST_DECISIONS {
+            return Ok(());
+        }
+        Err(Error::Contradiction {
+            what: format!(
+                "{} robots for {} s at {} Hz are {decisions:.0} decisions, and a run has at most {MOST_DECISIONS}; shorten `duration_s`",
+                self.robots.len(),
+                self.duration_s,
+                self.rate_hz
+            ),
+        })
     }
 }
 

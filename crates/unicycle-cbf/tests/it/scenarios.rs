@@ -102,6 +102,10 @@ fn numbers_out_of_range_are_named() {
             "path: ",
         ),
         (
+            refusal(|s| s.duration_s = 86_400.0),
+            "2 robots for 86400 s at 50 Hz are 8640000 decisions, and a run has at most 1000000",
+        ),
+        (
             refusal(|s| s.path = PathSpec::Closed { points_m: vec![] }),
             "path: ",
         ),
