@@ -25,8 +25,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     ),
 ];
 
-#[test]
-fn crates_depend_only_on_those_below_them() {
+fn metadata() -> serde_json::Value {
     let output = Command::new(env!("CARGO"))
         .args([
             "metadata",
@@ -38,7 +37,21 @@ fn crates_depend_only_on_those_below_them() {
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .unwrap();
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The README's command names no binary, and there are two.
+#[test]
+fn cargo_run_takes_drivekit() {
+    let metadata = metadata();
+    let packages = metadata["packages"].as_array().unwrap();
+    let package = packages.iter().find(|p| p["name"] == "drivekit").unwrap();
+    assert_eq!(package["default_run"], "drivekit");
+}
+
+#[test]
+fn crates_depend_only_on_those_below_them() {
+    let metadata = metadata();
     let packages = metadata["packages"].as_array().unwrap();
     let members: BTreeSet<&str> = packages
         .iter()

@@ -82,7 +82,7 @@ impl Mean {
     }
 
     fn value(self) -> f64 {
-        self.sum / self.count.max(1) as f64
+        self.sum / self.count as f64
     }
 }
 

@@ -23,7 +23,7 @@ use crate::render::table::{Table, number};
 #[command(after_help = "\
 Examples:
   drivekit ctrl run --testbed robotarium --scenario track --report run.html
-  drivekit ctrl run --preset hardened --disturb all --seed 7 -o run.mcap   opens in Foxglove
+  drivekit ctrl run --preset hardened --disturb all --seed 7 -o run.mcap   for Foxglove
   drivekit ctrl run --show-config > mine.toml && drivekit ctrl run --scenario mine.toml
   drivekit ctrl run --scenario track --testbed robotarium --path oval.csv")]
 pub(crate) struct RunArgs {
