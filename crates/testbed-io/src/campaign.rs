@@ -154,6 +154,31 @@ pub struct Violation {
     pub lane_clearance_m: f64,
 }
 
+/// The scenarios of some testbeds that have one of some names, or any where none is given.
+///
+/// # Errors
+///
+/// A name that none of the testbeds has.
+pub fn scenarios_of(
+    testbeds: &[Testbed],
+    names: &[String],
+) -> Result<Vec<(Testbed, String)>, Error> {
+    let mut found = Vec::new();
+    for testbed in testbeds {
+        let wanted = |name: &&&str| names.is_empty() || names.iter().any(|n| n == **name);
+        let own = testbed.scenarios().iter().filter(wanted);
+        found.extend(own.map(|name| (*testbed, (*name).to_owned())));
+    }
+    for name in names {
+        if !found.iter().any(|(_, known)| known == name) {
+            for testbed in testbeds {
+                testbed.scenario(name, Preset::Thesis)?;
+            }
+        }
+    }
+    Ok(found)
+}
+
 impl Campaign {
     /// Runs everything, `done` being called after each run from any thread.
     ///

@@ -1,6 +1,6 @@
 //! The controllers of all robots of a scenario, run in step by one computer.
 
-use unicycle_cbf::{Decision, Pilot, Scenario, Speeds, StampedPose};
+use unicycle_cbf::{Ahead, Decision, Pilot, Scenario, Speeds, StampedPose};
 
 /// One controller per robot, from the front.
 #[derive(Debug, Clone)]
@@ -43,9 +43,10 @@ impl<'a> Convoy<'a> {
     /// Decides for a robot that does something else.
     pub fn decide(&self, robot: usize, now_s: f64) -> Decision {
         let controller = self.scenario.controller();
-        let ahead = robot
-            .checked_sub(1)
-            .map(|ahead| self.pilots[ahead].sighting(controller, now_s));
+        let ahead = match robot.checked_sub(1) {
+            Some(ahead) => self.pilots[ahead].sighting(controller, now_s).into(),
+            None => Ahead::Nobody,
+        };
         let objectives = self.scenario.objectives(robot, now_s);
         self.pilots[robot].decide(controller, now_s, ahead, &objectives)
     }

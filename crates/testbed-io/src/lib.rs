@@ -40,7 +40,9 @@ mod summary;
 mod tick;
 mod timing;
 
-pub use campaign::{Campaign, CampaignReport, Histogram, Histograms, Row, Tally, Total, Violation};
+pub use campaign::{
+    Campaign, CampaignReport, Histogram, Histograms, Row, Tally, Total, Violation, scenarios_of,
+};
 pub use convoy::Convoy;
 pub use disturbances::{Disturbances, Group};
 pub use error::Error;

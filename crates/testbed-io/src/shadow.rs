@@ -2,7 +2,7 @@
 
 use unicycle_cbf::{
     ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
-    Testbed, Tracker,
+    Testbed,
 };
 
 use crate::convoy::Convoy;
@@ -56,22 +56,12 @@ pub fn scenario_of(
         },
         body: testbed.body(),
         controller,
+        // Starts are not used, but a scenario has to have its robots in order.
         robots: (0..recording.robots.len())
             .rev()
-            .map(|place| robot(place, recording.robots.len()))
+            .map(|place| RobotSpec::steady(place as f64 / recording.robots.len() as f64, 0.2))
             .collect(),
     })
-}
-
-/// Starts are not used, but a scenario has to have its robots in order.
-fn robot(place: usize, of: usize) -> RobotSpec {
-    RobotSpec {
-        start: place as f64 / of as f64,
-        start_deviation_m: 0.0,
-        desired_speed_mps: vec![[0.0, 0.2]],
-        tracker: Tracker::On,
-        stops_s: Vec::new(),
-    }
 }
 
 /// Runs the controllers beside a recording, the robots in its order from the front. The recorded poses count as the truth.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use divan::Bencher;
 use unicycle_cbf::{
-    Controller, Leader, Pilot, Pose, Preset, Scenario, Sighting, Speeds, StampedPose, State,
+    Ahead, Controller, Leader, Pilot, Pose, Preset, Scenario, Sighting, Speeds, StampedPose, State,
     Testbed,
 };
 
@@ -103,7 +103,7 @@ fn one_step(
         leader: Leader::known(state),
         age_s: 0.1,
     };
-    let decision = pilot.decide(controller, now_s, Some(Some(sighting)), objectives);
+    let decision = pilot.decide(controller, now_s, Ahead::Seen(sighting), objectives);
     pilot.sent(now_s, decision.speeds);
     decision.wheels
 }

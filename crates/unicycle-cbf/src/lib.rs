@@ -82,7 +82,7 @@ pub use error::Error;
 pub use lateral::{Course, Deviation, Lateral, Progress};
 pub use library::Testbed;
 pub use lie::Lie;
-pub use pilot::{Pilot, Sighting};
+pub use pilot::{Ahead, Pilot, Sighting};
 pub use pose::{Pose, Speeds, State};
 pub use predictor::{Predictor, StampedPose};
 pub use rows::{RowKind, Rows};

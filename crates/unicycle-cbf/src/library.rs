@@ -166,13 +166,7 @@ impl Testbed {
 
     fn robots(self, name: &str, course: &Course) -> Vec<RobotSpec> {
         let [ahead_mps, behind_mps] = course.speeds_mps;
-        let robot = |start: f64, speed_mps: f64| RobotSpec {
-            start,
-            start_deviation_m: 0.0,
-            desired_speed_mps: vec![[0.0, speed_mps]],
-            tracker: Tracker::On,
-            stops_s: Vec::new(),
-        };
+        let robot = RobotSpec::steady;
         let mut leader = robot(course.lead, ahead_mps);
         let mut follower = robot(0.0, behind_mps);
         match (self, name) {

@@ -21,6 +21,23 @@ pub struct Sighting {
     pub age_s: f64,
 }
 
+/// Whom a robot follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ahead {
+    /// It is the first
+    Nobody,
+    /// A robot of which no pose was ever seen
+    Unseen,
+    /// A robot that was seen, however long ago
+    Seen(Sighting),
+}
+
+impl From<Option<Sighting>> for Ahead {
+    fn from(sighting: Option<Sighting>) -> Self {
+        sighting.map_or(Self::Unseen, Self::Seen)
+    }
+}
+
 impl Pilot {
     /// A robot that moves at `speeds` from `now_s` on: at rest, or at the desired speed (thesis 4.1).
     #[must_use]
@@ -38,12 +55,6 @@ impl Pilot {
         if seen.pose.is_finite() && seen.stamp_s.is_finite() {
             self.predictor.observe(seen, gains, forget_after_s);
         }
-    }
-
-    /// The speeds sent last.
-    #[must_use]
-    pub fn speeds(&self) -> Speeds {
-        self.speeds
     }
 
     /// The robot as the one behind it sees it at `now_s`.
@@ -68,12 +79,12 @@ impl Pilot {
         self.predictor.sent(now_s, speeds);
     }
 
-    /// Decides at `now_s`. `ahead` is the robot ahead, where there is one, as it was before its own step at this time.
+    /// Decides at `now_s`; the robot ahead is given as it was before its own step at this time.
     pub fn decide(
         &self,
         controller: &Controller,
         now_s: f64,
-        ahead: Option<Option<Sighting>>,
+        ahead: Ahead,
         objectives: &Objectives,
     ) -> Decision {
         let Some((pose, age_s)) = self.current(controller, now_s) else {
@@ -89,15 +100,14 @@ impl Pilot {
             return Decision::braking(Brake::StalePose, Some(state), None);
         }
         match ahead {
-            Some(None) => Decision::braking(Brake::LeaderLost, Some(state), None),
-            Some(Some(sighting)) if too_old(sighting.age_s) => {
-                Decision::braking(Brake::LeaderLost, Some(state), None)
-            }
-            Some(Some(sighting)) => {
+            Ahead::Nobody => controller.decide(&state, None, objectives, age_s),
+            Ahead::Seen(sighting) if !too_old(sighting.age_s) => {
                 let age_s = age_s.max(sighting.age_s);
                 controller.decide(&state, Some(&sighting.leader), objectives, age_s)
             }
-            None => controller.decide(&state, None, objectives, age_s),
+            Ahead::Seen(_) | Ahead::Unseen => {
+                Decision::braking(Brake::LeaderLost, Some(state), None)
+            }
         }
     }
 

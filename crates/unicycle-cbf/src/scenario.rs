@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::controller::{Controller, Objectives, Tracking};
 use crate::error::Error;
+use crate::lateral::Deviation;
 use crate::path::Path;
 use crate::pose::{Pose, Speeds};
 use crate::settings::{ControllerSettings, Literal};
@@ -226,6 +227,18 @@ impl Scenario {
         objectives
     }
 
+    /// Radius of the path's tightest bend, in m, where the lane is wider than that: places at its inner edge then belong to several
+    /// places of the path. Radial deviations of polar paths do not mind.
+    #[must_use]
+    pub fn tight_bend_m(&self) -> Option<f64> {
+        let (path, lane) = (self.controller.path(), &self.spec.controller.lane);
+        if matches!(path, Path::Polar(_)) && lane.deviation == Deviation::Radial {
+            return None;
+        }
+        let bend_m = 1.0 / path.max_curvature_1pm();
+        (lane.half_width_m >= bend_m).then_some(bend_m)
+    }
+
     fn check_order(&self) -> Result<(), Error> {
         let path = self.controller.path();
         let offset_m = self.controller.body().offset_m;
@@ -311,6 +324,18 @@ impl PathSpec {
 }
 
 impl RobotSpec {
+    /// One that starts on the path and always tracks it at one speed.
+    #[must_use]
+    pub fn steady(start: f64, desired_speed_mps: f64) -> Self {
+        Self {
+            start,
+            start_deviation_m: 0.0,
+            desired_speed_mps: vec![[0.0, desired_speed_mps]],
+            tracker: Tracker::On,
+            stops_s: Vec::new(),
+        }
+    }
+
     fn check(&self, robot: usize) -> Result<(), Error> {
         let refuse = |what: String| Err(Error::Start { robot, what });
         if !self.start.is_finite() || !self.start_deviation_m.is_finite() {

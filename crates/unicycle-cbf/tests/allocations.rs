@@ -5,7 +5,9 @@ use std::alloc::System;
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use unicycle_cbf::path::Path;
-use unicycle_cbf::{Controller, Pilot, Pose, Preset, Scenario, Speeds, StampedPose, Testbed};
+use unicycle_cbf::{
+    Ahead, Controller, Pilot, Pose, Preset, Scenario, Speeds, StampedPose, Testbed,
+};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
@@ -31,9 +33,9 @@ fn steps(controller: &Controller) {
             ahead.observe(controller, StampedPose { stamp_s, pose });
         }
         let seen = ahead.sighting(controller, now_s);
-        let decision = behind.decide(controller, now_s, Some(seen), &objectives);
+        let decision = behind.decide(controller, now_s, seen.into(), &objectives);
         behind.sent(now_s, decision.speeds);
-        let decision = ahead.decide(controller, now_s, None, &objectives);
+        let decision = ahead.decide(controller, now_s, Ahead::Nobody, &objectives);
         ahead.sent(now_s, decision.speeds);
     }
 }

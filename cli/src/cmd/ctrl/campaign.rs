@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, Tally, Violation};
+use testbed_io::{Campaign, CampaignReport, Disturbances, Tally, Violation, scenarios_of};
 use unicycle_cbf::Testbed;
 
 use super::scenario::{Disturbance, PresetName, TestbedName};
@@ -102,24 +102,9 @@ impl CampaignArgs {
         } else {
             self.testbed.iter().map(|name| (*name).into()).collect()
         };
-        let wanted =
-            |name: &str| self.scenario.is_empty() || self.scenario.iter().any(|s| s == name);
-        let of = |testbed: &Testbed| {
-            let testbed = *testbed;
-            let names = testbed.scenarios().iter().filter(|name| wanted(name));
-            names.map(move |name| (testbed, (*name).to_owned()))
-        };
-        let scenarios: Vec<(Testbed, String)> = testbeds.iter().flat_map(of).collect();
-        for name in &self.scenario {
-            if !scenarios.iter().any(|(_, known)| known == name) {
-                for testbed in &testbeds {
-                    testbed.scenario(name, unicycle_cbf::Preset::Thesis)?;
-                }
-            }
-        }
         anyhow::ensure!(self.runs > 0, "--runs has to be 1 or more");
         Ok(Campaign {
-            scenarios,
+            scenarios: scenarios_of(&testbeds, &self.scenario)?,
             presets: self.preset.iter().map(|name| (*name).into()).collect(),
             groups: self.disturb.iter().map(|name| (*name).into()).collect(),
             runs: self.runs,

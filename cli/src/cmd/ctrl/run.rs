@@ -60,6 +60,12 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(&toml::to_string(&named.spec)?)?;
         return Ok(Outcome::Done);
     }
+    if let Some(bend_m) = scenario.tight_bend_m() {
+        let text = format!(
+            "the lane is wider than the path's tightest bend, whose radius is {bend_m:.3} m; on its inner side the nearest point of the path may jump"
+        );
+        output::note(context, &text);
+    }
     let format = args
         .output
         .as_deref()

@@ -1,16 +1,11 @@
 //! Campaigns: counts, reproducibility, and that the hardened preset holds.
 
-use testbed_io::{Campaign, Disturbances, Group, RunSpec};
+use testbed_io::{Campaign, Disturbances, Group, RunSpec, scenarios_of};
 use unicycle_cbf::{Preset, Testbed};
 
 fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
-    let of = |testbed: &Testbed| {
-        let testbed = *testbed;
-        let names = testbed.scenarios().iter();
-        names.map(move |name| (testbed, (*name).to_owned()))
-    };
     Campaign {
-        scenarios: Testbed::ALL.iter().flat_map(of).collect(),
+        scenarios: scenarios_of(&Testbed::ALL, &[]).unwrap(),
         presets: presets.to_vec(),
         groups: groups.to_vec(),
         runs,

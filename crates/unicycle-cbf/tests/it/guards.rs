@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use unicycle_cbf::{
-    Brake, Controller, Input, Leader, Outcome, Pilot, Pose, Predictor, Preset, RowKind, Speeds,
-    StampedPose, State, Testbed,
+    Ahead, Brake, Controller, Input, Leader, Outcome, Pilot, Pose, Predictor, Preset, RowKind,
+    Speeds, StampedPose, State, Testbed,
 };
 
 use crate::states::{controller, state};
@@ -170,7 +170,7 @@ fn without_poses_the_robot_stands() {
         _ => None,
     };
     assert_eq!(
-        reason(pilot.decide(&controller, 0.0, None, &objectives)),
+        reason(pilot.decide(&controller, 0.0, Ahead::Nobody, &objectives)),
         Some(Brake::NoPose)
     );
     let own = beside(&controller, 0.0, 0.0);
@@ -191,21 +191,21 @@ fn without_poses_the_robot_stands() {
         },
     );
     assert_eq!(
-        reason(pilot.decide(&controller, 0.1, None, &objectives)),
+        reason(pilot.decide(&controller, 0.1, Ahead::Nobody, &objectives)),
         Some(Brake::NoPose)
     );
     pilot.observe(&controller, StampedPose { stamp_s: 0.2, pose });
     assert_eq!(
-        reason(pilot.decide(&controller, 0.2, None, &objectives)),
+        reason(pilot.decide(&controller, 0.2, Ahead::Nobody, &objectives)),
         None
     );
     assert_eq!(
-        reason(pilot.decide(&controller, 0.2, Some(None), &objectives)),
+        reason(pilot.decide(&controller, 0.2, Ahead::Unseen, &objectives)),
         Some(Brake::LeaderLost)
     );
     let late_s = 0.2 + controller.settings().hardening.max_pose_age_s.unwrap() + 1e-9;
     assert_eq!(
-        reason(pilot.decide(&controller, late_s, None, &objectives)),
+        reason(pilot.decide(&controller, late_s, Ahead::Nobody, &objectives)),
         Some(Brake::StalePose)
     );
     let stop = unicycle_cbf::Objectives {
@@ -213,7 +213,7 @@ fn without_poses_the_robot_stands() {
         ..objectives
     };
     assert_eq!(
-        reason(pilot.decide(&controller, 0.2, None, &stop)),
+        reason(pilot.decide(&controller, 0.2, Ahead::Nobody, &stop)),
         Some(Brake::Asked)
     );
 }

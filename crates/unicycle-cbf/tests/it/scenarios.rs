@@ -1,6 +1,6 @@
 //! What scenarios refuse, and what they say.
 
-use unicycle_cbf::{Error, PathSpec, Preset, Scenario, ScenarioSpec, Testbed, Tracker};
+use unicycle_cbf::{Deviation, Error, PathSpec, Preset, Scenario, ScenarioSpec, Testbed, Tracker};
 
 fn spec() -> ScenarioSpec {
     Testbed::Khepera.scenario("on-off", Preset::Thesis).unwrap()
@@ -124,6 +124,22 @@ fn a_leader_that_starts_behind_is_refused() {
     assert!(matches!(error, Error::Start { robot: 1, .. }));
     let text = error.to_string();
     assert!(text.contains("0.600 m ahead of robot 0"), "{text}");
+}
+
+#[test]
+fn a_lane_wider_than_the_tightest_bend_is_known() {
+    let track = || {
+        Testbed::Robotarium
+            .scenario("track", Preset::Thesis)
+            .unwrap()
+    };
+    let bend_m = |spec| Scenario::new(spec).unwrap().tight_bend_m();
+    assert_eq!(bend_m(track()), None);
+    let mut frenet = track();
+    frenet.controller.lane.deviation = Deviation::Frenet;
+    assert!((bend_m(frenet.clone()).unwrap() - 0.09).abs() < 0.001);
+    frenet.controller.lane.half_width_m = 0.08;
+    assert_eq!(bend_m(frenet), None);
 }
 
 #[test]
