@@ -13,6 +13,7 @@ mod output;
 mod progress;
 mod render;
 mod require;
+mod view;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -100,6 +100,16 @@ pub enum Error {
         /// Robots of the recording.
         recording: usize,
     },
+    /// A tracker or robot that cannot be reached, or not any more.
+    #[error("{peer}: {problem}; {help}")]
+    Link {
+        /// Which, as in the settings of the link.
+        peer: String,
+        /// What went wrong.
+        problem: String,
+        /// What to do.
+        help: String,
+    },
     /// A recording without poses.
     #[error("the last robot of the recording has no poses")]
     NoPoses,

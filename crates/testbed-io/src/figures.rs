@@ -170,16 +170,12 @@ fn rounded(value: f64) -> f64 {
 /// The part of an open path that robots were on, and a little more.
 fn reach(scenario: &Scenario, ticks: &[Tick]) -> [f64; 2] {
     let path = scenario.controller().path();
-    let places = ticks.iter().filter_map(|tick| {
-        let (x_m, y_m) = tick.place()?;
-        Some(path.nearest(x_m, y_m).s_m)
-    });
+    let starts = scenario.starts().iter().map(|pose| (pose.x_m, pose.y_m));
+    let places = ticks.iter().filter_map(Tick::place).chain(starts);
+    let places = places.map(|(x_m, y_m)| path.nearest(x_m, y_m).s_m);
     let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s_m| {
         [low.min(s_m), high.max(s_m)]
     });
-    if low > high {
-        return [0.0, 1.0];
-    }
     let more = 0.05 * (high - low) + 0.1;
     [low - more, high + more]
 }
@@ -207,11 +203,8 @@ impl RobotLines {
             speed_mps: line(|t| t.known_state().map_or(f64::NAN, |s| s.speed_mps)),
             turn_rate_rad_s: line(|t| t.known_state().map_or(f64::NAN, |s| s.turn_rate_rad_s)),
             h_headway_m: (robot > 0).then(|| line(Tick::known_headway_m)),
-            h_lane: line(|t| t.truth.map_or_else(|| t.lane(), |truth| truth.safety.lane)),
-            deviation_m: line(|t| {
-                t.truth
-                    .map_or_else(|| t.deviation_m(), |truth| truth.safety.deviation_m)
-            }),
+            h_lane: line(Tick::known_lane),
+            deviation_m: line(Tick::known_deviation_m),
             v1: line(|t| t.lyapunov(0)),
             v2: line(|t| t.lyapunov(1)),
             v3: line(|t| t.lyapunov(2)),

@@ -16,7 +16,7 @@
 //! let mut scenario = Testbed::Robotarium.scenario("track", Preset::Hardened)?;
 //! scenario.duration_s = 5.0;
 //! let disturbances = Disturbances::HARD.only(Group::All);
-//! let (run, summary) = RunSpec { seed: 7, scenario, disturbances }.simulate()?;
+//! let (run, summary) = RunSpec { seed: 7, scenario, disturbances, link: None }.simulate()?;
 //! assert_eq!(run.ticks.len(), 2 * 150);
 //! assert!(summary.safe);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,6 +28,7 @@ mod disturbances;
 mod error;
 mod figures;
 mod link;
+pub mod live;
 pub mod log_file;
 mod path_file;
 mod plant;

@@ -49,12 +49,19 @@ impl RunLog {
             different: 0,
             first: None,
         };
+        let mut time_s = 0.0;
         for (step, rows) in self.rows.chunks(robots).enumerate() {
             let order = rows.iter().map(|row| (row.tick, row.robot));
             let expected = (0..robots).rev().map(|robot| (step, robot));
-            if !order.eq(expected.take(rows.len())) {
+            let own_s = rows.first().map_or(f64::NAN, |row| row.time_s);
+            let at_once = rows
+                .iter()
+                .all(|row| row.time_s.to_bits() == own_s.to_bits())
+                && own_s >= time_s;
+            if !order.eq(expected.take(rows.len())) || !at_once {
                 return Err(Error::Order { step });
             }
+            time_s = own_s;
             if rows.len() < robots {
                 break; // A log that ends within a step.
             }
@@ -64,15 +71,15 @@ impl RunLog {
                 }
             }
             for row in rows {
-                let time_s = scenario.time_s(step);
                 let tick = Tick {
                     tick: step,
                     robot: row.robot,
-                    time_s,
+                    time_s: row.time_s,
                     seen: row.seen,
-                    decision: convoy.step(row.robot, time_s),
+                    decision: convoy.step(row.robot, row.time_s),
                     truth: None,
                     step_us: 0.0,
+                    late_us: f64::NAN,
                 };
                 replay.decisions += 1;
                 if let Some(difference) = difference(&tick, &row.outcome, &row.decided) {

@@ -5,6 +5,7 @@ use unicycle_cbf::{Pose, Scenario, ScenarioSpec, StampedPose};
 
 use crate::disturbances::Disturbances;
 use crate::error::Error;
+use crate::live::LinkSpec;
 use crate::log_file::{Column, LogTable, Values};
 use crate::simulation::Simulation;
 use crate::summary::Summary;
@@ -21,6 +22,9 @@ pub struct RunSpec {
     /// What the simulated testbed does wrong
     #[serde(default)]
     pub disturbances: Disturbances,
+    /// The real testbed, where it ran on one
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<LinkSpec>,
 }
 
 /// A run with all its ticks, in the order in which they were decided.
@@ -106,7 +110,7 @@ pub(crate) const DECIDED: [(&str, Read); 26] = [
 ];
 
 /// What a simulation knows besides, and the time that the decision took.
-const KNOWN: [(&str, Read); 9] = [
+const KNOWN: [(&str, Read); 10] = [
     ("true_x_m", |t| t.true_pose(0)),
     ("true_y_m", |t| t.true_pose(1)),
     ("true_heading_rad", |t| t.true_pose(2)),
@@ -126,6 +130,7 @@ const KNOWN: [(&str, Read); 9] = [
         t.truth.map_or(f64::NAN, |t| t.safety.deviation_m)
     }),
     ("step_us", |t| t.step_us),
+    ("late_us", |t| t.late_us),
 ];
 
 impl Run {
@@ -135,29 +140,37 @@ impl Run {
     ///
     /// None on runs of this crate.
     pub fn to_table(&self) -> Result<LogTable, Error> {
-        let integers = |read: fn(&Tick) -> usize| {
-            Values::Integer(self.ticks.iter().map(|t| read(t) as i64).collect())
-        };
-        let column = |name: &str, values| Column {
-            name: name.to_owned(),
-            values,
-        };
-        let floats = |(name, read): &(&str, Read)| {
-            column(name, Values::Float(self.ticks.iter().map(read).collect()))
-        };
-        let outcomes = self.ticks.iter().map(Tick::outcome_name);
-        let mut columns = vec![
-            column("tick", integers(|t| t.tick)),
-            column("robot", integers(|t| t.robot)),
-            floats(&("time_s", |t| t.time_s)),
-            column("outcome", Values::Text(outcomes.collect())),
-        ];
-        columns.extend(SEEN.iter().map(floats));
-        columns.extend(DECIDED.iter().map(floats));
-        columns.extend(KNOWN.iter().map(floats));
-        let meta = serde_json::to_string(&self.spec).map_err(|e| Error::Meta(e.to_string()))?;
-        LogTable::new(&meta, columns)
+        LogTable::new(&self.spec.to_json()?, columns(&self.ticks))
     }
+}
+
+impl RunSpec {
+    pub(crate) fn to_json(&self) -> Result<String, Error> {
+        serde_json::to_string(self).map_err(|e| Error::Meta(e.to_string()))
+    }
+}
+
+/// The columns of a run log with a row for each tick.
+pub(crate) fn columns(ticks: &[Tick]) -> Vec<Column> {
+    let integers =
+        |read: fn(&Tick) -> usize| Values::Integer(ticks.iter().map(|t| read(t) as i64).collect());
+    let column = |name: &str, values| Column {
+        name: name.to_owned(),
+        values,
+    };
+    let floats =
+        |(name, read): &(&str, Read)| column(name, Values::Float(ticks.iter().map(read).collect()));
+    let outcomes = ticks.iter().map(Tick::outcome_name);
+    let mut columns = vec![
+        column("tick", integers(|t| t.tick)),
+        column("robot", integers(|t| t.robot)),
+        floats(&("time_s", |t| t.time_s)),
+        column("outcome", Values::Text(outcomes.collect())),
+    ];
+    columns.extend(SEEN.iter().map(floats));
+    columns.extend(DECIDED.iter().map(floats));
+    columns.extend(KNOWN.iter().map(floats));
+    columns
 }
 
 /// A run log as far as a replay needs it.
@@ -176,6 +189,8 @@ pub struct LoggedTick {
     pub tick: usize,
     /// Index of the robot
     pub robot: usize,
+    /// In s from the start
+    pub time_s: f64,
     /// The pose that arrived
     pub seen: Option<StampedPose>,
     /// Outcome as text
@@ -192,6 +207,7 @@ impl RunLog {
         let spec = serde_json::from_str(table.meta()).map_err(|e| Error::Meta(e.to_string()))?;
         let ticks = integers(table, "tick")?;
         let robots = integers(table, "robot")?;
+        let times_s = floats(table, "time_s")?;
         let outcomes = texts(table, "outcome")?;
         let seen: Vec<&[f64]> = SEEN
             .iter()
@@ -215,6 +231,7 @@ impl RunLog {
                 Ok(LoggedTick {
                     tick: index(ticks[row], "tick")?,
                     robot: index(robots[row], "robot")?,
+                    time_s: times_s[row],
                     seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),

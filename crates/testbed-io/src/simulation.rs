@@ -122,6 +122,7 @@ impl Robot {
             decision: self.decision?,
             truth: self.truth,
             step_us: self.step_us,
+            late_us: f64::NAN,
         })
     }
 }

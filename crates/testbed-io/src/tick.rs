@@ -19,6 +19,8 @@ pub struct Tick {
     pub truth: Option<Truth>,
     /// Time that the decision took, in µs
     pub step_us: f64,
+    /// How long after its deadline the step began, in µs; NaN in simulations
+    pub late_us: f64,
 }
 
 /// What a simulation knows.
@@ -30,10 +32,11 @@ pub struct Truth {
     pub safety: Safety,
 }
 
-/// What columns of the run log are read from; NaN where there is nothing.
+/// What figures and columns of the run log are read from; NaN where there is nothing.
 impl Tick {
     /// The rung of the ladder, and why the robot brakes.
-    pub(crate) fn outcome_name(&self) -> String {
+    #[must_use]
+    pub fn outcome_name(&self) -> String {
         match self.decision.outcome {
             Outcome::Braking { reason } => format!("braking-{}", reason.name()),
             outcome => outcome.name().to_owned(),
@@ -79,7 +82,8 @@ impl Tick {
     }
 
     /// The true state where it is known, or the one that was decided for.
-    pub(crate) fn known_state(&self) -> Option<State> {
+    #[must_use]
+    pub fn known_state(&self) -> Option<State> {
         self.truth.map(|truth| truth.state).or(self.decision.state)
     }
 
@@ -87,9 +91,25 @@ impl Tick {
         self.known_state().map(|state| (state.x_m, state.y_m))
     }
 
-    pub(crate) fn known_headway_m(&self) -> f64 {
+    /// Headway barrier of the true state where it is known, or of the one that was decided for, in m.
+    #[must_use]
+    pub fn known_headway_m(&self) -> f64 {
         let truth = self.truth.and_then(|truth| truth.safety.headway_m);
         truth.unwrap_or_else(|| self.headway_m())
+    }
+
+    /// Lane barrier, likewise, in its own units.
+    #[must_use]
+    pub fn known_lane(&self) -> f64 {
+        self.truth
+            .map_or_else(|| self.lane(), |truth| truth.safety.lane)
+    }
+
+    /// Deviation from the path, likewise, in m.
+    #[must_use]
+    pub fn known_deviation_m(&self) -> f64 {
+        self.truth
+            .map_or_else(|| self.deviation_m(), |truth| truth.safety.deviation_m)
     }
 
     /// x, y and heading of the point of interest.

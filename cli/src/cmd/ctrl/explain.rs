@@ -9,7 +9,7 @@ use unicycle_cbf::{
     Controller, Decision, Deviation, Leader, Lie, Outcome as Rung, RowKind, Scenario, State,
 };
 
-use super::scenario::ScenarioArgs;
+use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
@@ -56,7 +56,7 @@ enum Barrier {
 }
 
 pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let named = args.scenario.named()?;
+    let named = args.scenario.named(PresetName::Thesis)?;
     let scenario = Scenario::new(named.spec.scenario)?;
     let file = args.state.display();
     let text = std::fs::read_to_string(&args.state)

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod explain;
+mod live;
 mod replay;
 mod run;
 mod scenario;

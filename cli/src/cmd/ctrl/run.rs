@@ -3,10 +3,12 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
+use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
 use testbed_io::{Disturbances, Event, Figures, Run, RunSpec, Summary, Timing};
 use unicycle_cbf::Scenario;
 
+use super::live::{self, LiveArgs};
 use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -15,7 +17,7 @@ use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 
-/// Run a scenario on simulated robots
+/// Run a scenario on simulated robots, or with --live on real ones
 ///
 /// Every robot has a controller of its own: a quadratic program that keeps the lane and the headway by barriers, and goes for the
 /// desired speed and the path as far as they allow. Exit code 1 says that a robot left its lane or came too close.
@@ -25,7 +27,9 @@ Examples:
   drivekit ctrl run --testbed robotarium --scenario track --report run.html
   drivekit ctrl run --preset hardened --disturb all --seed 7 -o run.mcap   for Foxglove
   drivekit ctrl run --show-config > mine.toml && drivekit ctrl run --scenario mine.toml
-  drivekit ctrl run --scenario track --testbed robotarium --path oval.csv")]
+  drivekit ctrl run --scenario track --testbed robotarium --path oval.csv
+  drivekit ctrl run --show-link khepera > lab.toml                       who and where the real robots are
+  drivekit ctrl run --live lab.toml --view -o run.mcap                   real robots, with a page to watch and stop them")]
 pub(crate) struct RunArgs {
     /// Print the scenario as a file and end
     #[arg(long)]
@@ -51,10 +55,17 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     #[serde(flatten)]
     scenario: ScenarioArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    live: LiveArgs,
 }
 
 pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let named = args.named()?;
+    if let Some(kind) = args.live.show_link {
+        output::print_text(kind.text())?;
+        return Ok(Outcome::Done);
+    }
+    let named = args.named(context)?;
     let scenario = Scenario::new(named.spec.scenario.clone())?;
     if args.show_config {
         output::print_text(&toml::to_string(&named.spec)?)?;
@@ -66,47 +77,50 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         );
         output::note(context, &text);
     }
-    let format = args
-        .output
-        .as_deref()
-        .map(LogFormat::from_path)
-        .transpose()?;
     for path in args.output.iter().chain(&args.report) {
         output::check_file_place(path)?;
     }
-    let (run, summary) = named.spec.simulate()?;
-    let timing = Timing::new(&run.ticks, scenario.controller().hold_s());
+    let format = args.output.as_deref().map(LogFormat::from_path);
+    let format = format.transpose()?;
+    let ended = args.ended(&named.spec, &scenario, context)?;
     if let (Some(path), Some(format)) = (&args.output, format) {
-        let table = run.to_table()?;
+        let table = ended.run.to_table()?;
         output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
         output::note(context, &format!("run log written to {}", path.display()));
+        live::forget_journal(path);
     }
-    let mut body = Body::new(&named, &summary, timing);
-    if args.report.is_some() {
-        body.figures = Some(figures(&named.spec, &scenario, &run)?);
-        body.events = Event::all(&scenario);
+    args.tell(&named, &scenario, &ended, context)?;
+    ended.outcome()
+}
+
+/// A run that is over, in simulation or on real robots.
+struct Ended {
+    run: Run,
+    summary: Summary,
+    timing: Timing,
+    live: Option<LiveReport>,
+}
+
+impl Ended {
+    fn outcome(&self) -> anyhow::Result<Outcome> {
+        if let Some(live) = &self.live {
+            live::check(live)?;
+        }
+        Ok(if self.summary.safe {
+            Outcome::Done
+        } else {
+            Outcome::Negative
+        })
     }
-    let mut document = Document::new("ctrl-run", args, &[], body);
-    if let Some(path) = &args.report {
-        let page = html::CONTROL.filled(&serde_json::to_value(&document)?);
-        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        output::note(context, &format!("report written to {}", path.display()));
-        document.body.figures = None;
-    }
-    match context.format {
-        Format::Json => output::print_json(&document)?,
-        Format::Text => output::print_text(&text(&named, &summary, &timing))?,
-    }
-    Ok(if summary.safe {
-        Outcome::Done
-    } else {
-        Outcome::Negative
-    })
 }
 
 impl RunArgs {
-    fn named(&self) -> anyhow::Result<Named> {
-        let mut named = self.scenario.named()?;
+    fn named(&self, context: &Context) -> anyhow::Result<Named> {
+        let preset = match self.live.live {
+            Some(_) => PresetName::Hardened,
+            None => PresetName::Thesis,
+        };
+        let mut named = self.scenario.named(preset)?;
         let spec = &mut named.spec;
         if let Some(group) = self.disturb {
             spec.disturbances = Disturbances::HARD.only(group.into());
@@ -118,7 +132,72 @@ impl RunArgs {
             spec.scenario.duration_s = duration_s;
         }
         spec.disturbances.check().context("disturbances")?;
+        self.live.prepare(spec, context)?;
         Ok(named)
+    }
+
+    fn ended(
+        &self,
+        spec: &RunSpec,
+        scenario: &Scenario,
+        context: &Context,
+    ) -> anyhow::Result<Ended> {
+        let (run, summary, live) = match &spec.link {
+            None => {
+                let (run, summary) = spec.simulate()?;
+                (run, summary, None)
+            }
+            Some(link) => {
+                let keep = self.output.is_some() || self.report.is_some();
+                let log = self.output.as_deref();
+                let session = self.live.session(spec, link, scenario, log);
+                let (ticks, summary, live) = session.run(keep, context)?;
+                let spec = spec.clone();
+                (Run { spec, ticks }, summary, Some(live))
+            }
+        };
+        Ok(Ended {
+            timing: Timing::new(&run.ticks, scenario.controller().hold_s()),
+            run,
+            summary,
+            live,
+        })
+    }
+
+    /// Report and document.
+    fn tell(
+        &self,
+        named: &Named,
+        scenario: &Scenario,
+        ended: &Ended,
+        context: &Context,
+    ) -> anyhow::Result<()> {
+        let mut body = Body::new(named, ended);
+        if self.report.is_some() {
+            body.figures = Some(figures(&named.spec, scenario, &ended.run)?);
+            body.events = Event::all(scenario);
+        }
+        let mut document = Document::new("ctrl-run", self, &[], body);
+        if let Some(path) = &self.report {
+            let page = html::CONTROL.filled(&serde_json::to_value(&document)?);
+            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+            output::note(context, &format!("report written to {}", path.display()));
+            document.body.figures = None;
+        }
+        let text = text(named, ended);
+        if named
+            .spec
+            .link
+            .as_ref()
+            .is_some_and(LinkSpec::writes_to_stdout)
+        {
+            output::note(context, &text);
+            return Ok(());
+        }
+        match context.format {
+            Format::Json => output::print_json(&document),
+            Format::Text => output::print_text(&text),
+        }
     }
 }
 
@@ -147,6 +226,8 @@ struct Body<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     r#loop: Timing,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    live: Option<&'a LiveReport>,
     reproduces: &'static [&'static str],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     events: Vec<Event>,
@@ -156,7 +237,7 @@ struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    fn new(named: &'a Named, summary: &'a Summary, timing: Timing) -> Self {
+    fn new(named: &'a Named, ended: &'a Ended) -> Self {
         let scenario = &named.spec.scenario;
         Self {
             scenario: &scenario.name,
@@ -165,8 +246,9 @@ impl<'a> Body<'a> {
             seed: named.spec.seed,
             rate_hz: scenario.rate_hz,
             disturbed: !named.spec.disturbances.is_none(),
-            summary,
-            r#loop: timing,
+            summary: &ended.summary,
+            r#loop: ended.timing,
+            live: ended.live.as_ref(),
             reproduces: named.figures,
             events: Vec::new(),
             figures: None,
@@ -175,7 +257,8 @@ impl<'a> Body<'a> {
     }
 }
 
-fn text(named: &Named, summary: &Summary, timing: &Timing) -> String {
+fn text(named: &Named, ended: &Ended) -> String {
+    let (summary, timing) = (&ended.summary, &ended.timing);
     let scenario = &named.spec.scenario;
     let mut table = Table::new(["figure", "value", "unit"]);
     let mut row = |name: &str, value: String, unit: &str| {
@@ -208,18 +291,24 @@ fn text(named: &Named, summary: &Summary, timing: &Timing) -> String {
     row("steps, braking", summary.outcomes.braking.to_string(), "");
     row("median step", number(timing.median_us, 2), "µs");
     row("99 % of steps within", number(timing.p99_us, 2), "µs");
+    if let Some(live) = &ended.live {
+        live::rows(live, &mut row);
+    }
     let verdict = match summary.first_unsafe_s {
         None => "safe: no robot left its lane or came too close".to_owned(),
         Some(time_s) => format!("UNSAFE from {time_s:.2} s on"),
     };
+    let how = match &ended.live {
+        Some(live) => live::ending_text(&live.ending),
+        None => format!("seed {}", named.spec.seed),
+    };
     format!(
-        "{} on {}, {} robots, {} steps at {} Hz, seed {}\n\n{}\n{verdict}\n",
+        "{} on {}, {} robots, {} steps at {} Hz, {how}\n\n{}\n{verdict}\n",
         scenario.name,
         scenario.testbed,
         scenario.robots.len(),
         summary.steps,
         scenario.rate_hz,
-        named.spec.seed,
         table.render()
     )
 }

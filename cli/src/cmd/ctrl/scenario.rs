@@ -18,7 +18,7 @@ pub(crate) struct ScenarioArgs {
     /// on-off, decay, track (Robotarium), straight, chain, brake, stop, or a TOML file as `ctrl run --show-config` prints it
     #[arg(long, default_value = "on-off", value_name = "NAME|FILE.toml")]
     pub(crate) scenario: String,
-    /// Settings of the controllers: the thesis's, or with every guard [default: thesis]
+    /// Settings of the controllers: the thesis's, or with every guard [default: thesis; with --live hardened]
     #[arg(long, value_enum)]
     pub(crate) preset: Option<PresetName>,
     /// Closed path in place of the scenario's: CSV with x and y in m, in the order of travel
@@ -108,14 +108,14 @@ pub(crate) struct Named {
 
 impl ScenarioArgs {
     /// The scenario without disturbances, or what the file says.
-    pub(crate) fn named(&self) -> anyhow::Result<Named> {
+    pub(crate) fn named(&self, default: PresetName) -> anyhow::Result<Named> {
         let mut named = if Path::new(&self.scenario)
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
         {
             self.file()?
         } else {
-            self.built_in()?
+            self.built_in(default)?
         };
         if let Some(path) = &self.path {
             let points_m = testbed_io::read_path(path)?;
@@ -125,14 +125,15 @@ impl ScenarioArgs {
         Ok(named)
     }
 
-    fn built_in(&self) -> anyhow::Result<Named> {
+    fn built_in(&self, default: PresetName) -> anyhow::Result<Named> {
         let testbed = Testbed::from(self.testbed.unwrap_or(TestbedName::Khepera));
-        let preset = self.preset.unwrap_or(PresetName::Thesis);
+        let preset = self.preset.unwrap_or(default);
         Ok(Named {
             spec: RunSpec {
                 seed: 1,
                 scenario: testbed.scenario(&self.scenario, preset.into())?,
                 disturbances: Disturbances::default(),
+                link: None,
             },
             preset: Some(preset),
             figures: testbed.figures(&self.scenario),

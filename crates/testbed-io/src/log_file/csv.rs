@@ -15,17 +15,27 @@ const TYPES: &str = "# types ";
 const FOREIGN: &str = "only CSV files that drivekit logged are read, with their first two lines";
 
 pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
-    let columns = table.columns();
+    write_header(table.meta(), table.columns(), out)?;
+    write_rows(table.columns(), out)
+}
+
+pub(super) fn write_header(meta: &str, columns: &[Column], out: &mut dyn Write) -> io::Result<()> {
     let letters: Vec<&str> = columns.iter().map(|c| letter(c.values.kind())).collect();
-    writeln!(out, "{MAGIC}{}", table.meta())?;
+    writeln!(out, "{MAGIC}{meta}")?;
     writeln!(out, "{TYPES}{}", letters.join(","))?;
     if columns.is_empty() {
         return out.flush();
     }
     let mut writer = ::csv::Writer::from_writer(out);
     writer.write_record(columns.iter().map(|column| &column.name))?;
+    writer.flush()
+}
+
+pub(super) fn write_rows(columns: &[Column], out: &mut dyn Write) -> io::Result<()> {
+    let rows = columns.first().map_or(0, |column| column.values.len());
+    let mut writer = ::csv::Writer::from_writer(out);
     let mut text = String::new();
-    for row in 0..table.rows() {
+    for row in 0..rows {
         for column in columns {
             text.clear();
             let field = match &column.values {

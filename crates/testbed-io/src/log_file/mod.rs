@@ -10,6 +10,7 @@
 //! A CSV file that was cut exactly between two lines looks whole.
 
 mod csv;
+mod journal;
 mod mcap;
 mod mcap_read;
 mod pages;
@@ -22,6 +23,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+
+pub use journal::Journal;
 
 /// The most that is read into memory, in bytes, as a file and after decompression.
 const MAX_BYTES: u64 = 1 << 30;

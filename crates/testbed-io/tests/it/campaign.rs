@@ -58,6 +58,7 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
                 .scenario(&violation.scenario, violation.preset)
                 .unwrap(),
             disturbances: Disturbances::HARD.only(violation.disturbance),
+            link: None,
         };
         let (_, summary) = spec.simulate().unwrap();
         assert_eq!(summary.first_unsafe_s, violation.first_unsafe_s);

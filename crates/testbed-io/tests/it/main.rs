@@ -11,7 +11,11 @@
 mod campaign;
 mod literal;
 mod log_file;
+mod natnet;
+mod natnet_axes;
+mod natnet_messages;
 mod recorded;
 mod replay;
+mod robotarium;
 mod runs;
 mod shadow;

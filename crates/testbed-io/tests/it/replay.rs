@@ -11,6 +11,7 @@ fn spec(preset: Preset) -> RunSpec {
         seed: 3,
         scenario,
         disturbances: Disturbances::HARD,
+        link: None,
     }
 }
 

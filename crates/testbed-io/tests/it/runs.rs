@@ -26,6 +26,7 @@ pub(crate) fn run(scenario: ScenarioSpec, disturbances: Disturbances, seed: u64)
         seed,
         scenario,
         disturbances,
+        link: None,
     };
     spec.simulate().unwrap().1
 }
@@ -97,6 +98,7 @@ fn the_same_run_gives_the_same_bits() {
         seed: 5,
         scenario,
         disturbances: Disturbances::HARD,
+        link: None,
     };
     let (mut first, _) = spec.simulate().unwrap();
     let (mut second, _) = spec.simulate().unwrap();
@@ -151,6 +153,7 @@ fn disturbances_out_of_range_are_named() {
             seed: 1,
             scenario: scenario.clone(),
             disturbances,
+            link: None,
         };
         let error = spec.simulate().unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
@@ -172,6 +175,7 @@ fn a_robot_that_starts_outside_its_lane_comes_back_and_the_run_says_so() {
             seed: 1,
             scenario,
             disturbances: Disturbances::default(),
+            link: None,
         };
         let (run, summary) = spec.simulate().unwrap();
         assert_eq!((summary.safe, summary.first_unsafe_s), (false, Some(0.0)));

@@ -1,0 +1,287 @@
+//! Real robots: a session on a link, its journal and its view.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use testbed_io::live::{Ending, LinkSpec, LiveReport, Session, StopSwitch, Update};
+use testbed_io::log_file::Journal;
+use testbed_io::{Figures, RunSpec, Summary, Tick};
+use unicycle_cbf::Scenario;
+
+use crate::flags::Context;
+use crate::output;
+use crate::render::table::number;
+use crate::view::{RobotNow, Snapshot, View, ViewOptions};
+
+/// Watchdog of controllers that have none, in s.
+const MAX_POSE_AGE_S: f64 = 0.3;
+
+/// Real robots.
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Real robots")]
+pub(crate) struct LiveArgs {
+    /// Run on the testbed that this file describes; see --show-link. Controllers are hardened unless --preset or the scenario file
+    /// says otherwise
+    #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["disturb", "seed"])]
+    pub(crate) live: Option<PathBuf>,
+    /// Print a file for --live to start from, and end
+    #[arg(long, value_enum, value_name = "KIND")]
+    #[serde(skip)]
+    pub(crate) show_link: Option<LinkKind>,
+    /// Serve a page with a live view and a stop button, on a free port of this computer or on this address
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0", requires = "live")]
+    #[serde(skip)]
+    pub(crate) view: Option<SocketAddr>,
+}
+
+/// Testbeds by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LinkKind {
+    /// Khepera III under OptiTrack
+    Khepera,
+    /// Robotarium, over MQTT
+    Robotarium,
+    /// Robotarium of 2018, commands over UDP
+    RobotariumUdp,
+    /// JSON lines over UDP
+    JsonUdp,
+    /// JSON lines to and from a program
+    Program,
+    /// Poses of a run log
+    Recording,
+}
+
+impl LinkKind {
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Self::Khepera => include_str!("links/khepera.toml"),
+            Self::Robotarium => include_str!("links/robotarium.toml"),
+            Self::RobotariumUdp => include_str!("links/robotarium-udp.toml"),
+            Self::JsonUdp => include_str!("links/json-udp.toml"),
+            Self::Program => include_str!("links/program.toml"),
+            Self::Recording => include_str!("links/recording.toml"),
+        }
+    }
+}
+
+impl LiveArgs {
+    /// Sees to it that the scenario can run on real robots, if that is asked for.
+    pub(crate) fn prepare(&self, spec: &mut RunSpec, context: &Context) -> anyhow::Result<()> {
+        let Some(file) = &self.live else {
+            if spec.link.is_some() {
+                anyhow::bail!(
+                    "the scenario was run on real robots: take [link] out of the file, or name a link with --live"
+                );
+            }
+            return Ok(());
+        };
+        if !spec.disturbances.is_none() {
+            anyhow::bail!(
+                "the scenario asks for disturbances, which only simulated robots have; take them out, or leave --live out"
+            );
+        }
+        let hardening = &mut spec.scenario.controller.hardening;
+        if hardening.max_pose_age_s.is_none() {
+            hardening.max_pose_age_s = Some(MAX_POSE_AGE_S);
+            let text = format!(
+                "the controllers have no watchdog; on real robots they stop after {MAX_POSE_AGE_S} s without a pose"
+            );
+            output::note(context, &text);
+        }
+        let text = std::fs::read_to_string(file)
+            .with_context(|| format!("cannot read the link `{}`", file.display()))?;
+        let link = toml::from_str(&text);
+        spec.link = Some(link.with_context(|| format!("link `{}`", file.display()))?);
+        Ok(())
+    }
+
+    pub(crate) fn session<'a>(
+        &self,
+        spec: &'a RunSpec,
+        link: &'a LinkSpec,
+        scenario: &'a Scenario,
+        log: Option<&'a Path>,
+    ) -> LiveSession<'a> {
+        LiveSession {
+            spec,
+            session: Session { scenario, link },
+            log,
+            view: self.view,
+        }
+    }
+}
+
+/// A session, and what is made of it on the way.
+pub(crate) struct LiveSession<'a> {
+    spec: &'a RunSpec,
+    session: Session<'a>,
+    log: Option<&'a Path>,
+    view: Option<SocketAddr>,
+}
+
+impl LiveSession<'_> {
+    /// Runs it; ticks are kept if asked for.
+    pub(crate) fn run(
+        &self,
+        keep: bool,
+        context: &Context,
+    ) -> anyhow::Result<(Vec<Tick>, Summary, LiveReport)> {
+        let stop = StopSwitch::default();
+        let on_signal = stop.clone();
+        ctrlc::set_handler(move || on_signal.stop()).context("cannot watch for Ctrl-C")?;
+        let (scenario, link) = (self.session.scenario, self.session.link);
+        let view = self.view.map(|at| view(at, scenario, &stop, context));
+        let view = view.transpose()?;
+        let journal = self
+            .log
+            .map(|log| Journal::create(&partial(log), self.spec));
+        let journal = journal.transpose()?;
+        let mut kept = Vec::new();
+        let ended = self.session.run(&stop, |update| match update {
+            Update::Note(text) => {
+                output::note(context, text);
+                if let Some(view) = &view {
+                    view.note(text);
+                }
+            }
+            Update::Step {
+                ticks,
+                pose_ages_s,
+                counts,
+                missed,
+            } => {
+                if journal.as_ref().is_some_and(|journal| !journal.add(ticks)) {
+                    output::note(context, "the run log takes no more; stopping");
+                    stop.stop();
+                }
+                if keep {
+                    kept.extend_from_slice(ticks);
+                }
+                if let Some(view) = &view {
+                    let robots = robots(ticks, pose_ages_s, &link.robots);
+                    view.show(Snapshot {
+                        time_s: ticks.first().map_or(0.0, |tick| tick.time_s),
+                        duration_s: scenario.spec().duration_s,
+                        robots,
+                        late_us: ticks.first().map_or(0.0, |tick| tick.late_us),
+                        missed,
+                        dropped: counts.dropped(),
+                    });
+                }
+            }
+        });
+        if let (Some(view), Ok((_, report))) = (&view, &ended) {
+            view.ended(&ending_text(&report.ending));
+        }
+        if let Some(journal) = journal {
+            journal.finish()?;
+        }
+        let (summary, report) = ended?;
+        Ok((kept, summary, report))
+    }
+}
+
+/// The journal beside a run log: `run.partial.csv` for `run.mcap`. It stays if the program is killed.
+fn partial(log: &Path) -> PathBuf {
+    log.with_extension("partial.csv")
+}
+
+/// The run log is written; the journal says no more than it.
+pub(crate) fn forget_journal(log: &Path) {
+    let _ = std::fs::remove_file(partial(log));
+}
+
+/// A link that was lost, or robots that may still move, are errors.
+pub(crate) fn check(report: &LiveReport) -> anyhow::Result<()> {
+    if !report.untold.is_empty() {
+        let ids: Vec<String> = report.untold.iter().map(ToString::to_string).collect();
+        anyhow::bail!(
+            "robots {} may not have got the command to stand: STOP THEM BY HAND",
+            ids.join(", ")
+        );
+    }
+    if let Ending::Lost(what) = &report.ending {
+        anyhow::bail!("the link was lost: {what}");
+    }
+    Ok(())
+}
+
+/// Rows of the table of figures.
+pub(crate) fn rows(report: &LiveReport, row: &mut impl FnMut(&str, String, &str)) {
+    let deadlines = &report.deadlines;
+    row("deadlines missed", deadlines.missed.to_string(), "");
+    row(
+        "99 % of steps begin late by",
+        number(deadlines.late_p99_us, 0),
+        "µs",
+    );
+    row("poses used", report.received.poses.to_string(), "");
+    for (reason, count) in report.received.dropped() {
+        row(&format!("dropped: {reason}"), count.to_string(), "");
+    }
+    let commands = &report.commands;
+    row("commands sent", commands.sent.to_string(), "");
+    let others = [
+        ("commands acknowledged", commands.acknowledged),
+        ("commands not sent", commands.failed),
+        ("answers from other addresses", commands.stranger),
+        ("answers that are none", commands.malformed),
+    ];
+    for (name, count) in others.into_iter().filter(|(_, count)| *count > 0) {
+        row(name, count.to_string(), "");
+    }
+}
+
+pub(crate) fn ending_text(ending: &Ending) -> String {
+    match ending {
+        Ending::Finished => "finished".to_owned(),
+        Ending::Stopped => "stopped".to_owned(),
+        Ending::Lost(what) => format!("link lost: {what}"),
+    }
+}
+
+fn view(
+    address: SocketAddr,
+    scenario: &Scenario,
+    stop: &StopSwitch,
+    context: &Context,
+) -> anyhow::Result<View> {
+    let spec = scenario.spec();
+    let figures = serde_json::to_value(Figures::new(scenario, &[], None))?;
+    let mut lane = figures["lane"].clone();
+    for key in ["robot", "lane_barrier", "headway_s"] {
+        lane[key] = figures[key].clone();
+    }
+    let title = format!("{} on {}", spec.name, spec.testbed);
+    let stop = stop.clone();
+    let stop = Box::new(move || stop.stop());
+    let view = View::start(&ViewOptions { address }, lane, title, stop)?;
+    output::note(context, &format!("view: {}", view.control_url()));
+    output::note(context, &format!("to watch only: {}", view.watch_url()));
+    Ok(view)
+}
+
+/// Robots from the front.
+fn robots(ticks: &[Tick], pose_ages_s: &[f64], ids: &[u32]) -> Vec<RobotNow> {
+    let known = |value: f64| value.is_finite().then_some(value);
+    let robot = |tick: &Tick| {
+        let state = tick.known_state()?;
+        Some(RobotNow {
+            id: *ids.get(tick.robot)?,
+            x_m: state.x_m,
+            y_m: state.y_m,
+            heading_rad: state.heading_rad,
+            speed_mps: tick.decision.speeds.speed_mps,
+            turn_rate_rad_s: tick.decision.speeds.turn_rate_rad_s,
+            h_headway_m: known(tick.known_headway_m()),
+            h_lane: known(tick.known_lane()),
+            deviation_m: known(tick.known_deviation_m()),
+            outcome: tick.outcome_name(),
+            pose_age_s: pose_ages_s.get(tick.robot).copied().and_then(known),
+        })
+    };
+    ticks.iter().rev().filter_map(robot).collect()
+}

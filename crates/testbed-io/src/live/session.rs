@@ -1,0 +1,377 @@
+//! The loop: poses in, decisions out, at a fixed rate, and zero speed on every way out.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use unicycle_cbf::{Scenario, Speeds, StampedPose};
+
+use super::commands::{Command, CommandCounts};
+use super::counts::Counts;
+use super::link::Link;
+use super::pacer::{Deadlines, Pacer};
+use super::spec::LinkSpec;
+use crate::convoy::Convoy;
+use crate::error::Error;
+use crate::summary::{Summarising, Summary};
+use crate::tick::{Tick, Truth};
+
+/// How long robots have to appear before the start.
+const APPEAR: Duration = Duration::from_secs(10);
+/// Poses in a row that agree, after which a robot is where they say.
+const AGREEING: u32 = 5;
+/// Poses of two robots that are farther apart than this in time are not compared, in s.
+const BESIDE_S: f64 = 0.3;
+
+/// Ends a session from another thread: a signal, a button.
+#[derive(Debug, Clone, Default)]
+pub struct StopSwitch(Arc<AtomicBool>);
+
+impl StopSwitch {
+    /// The robots stop within a period.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::SeqCst);
+    }
+
+    /// Whether someone has.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
+
+/// What happens in a session, as it happens.
+#[derive(Debug, Clone, Copy)]
+pub enum Update<'a> {
+    /// Something to know
+    Note(&'a str),
+    /// A step of all robots, from the back, after its commands were sent
+    Step {
+        /// One per robot
+        ticks: &'a [Tick],
+        /// Of the newest pose of each robot from the front, in s
+        pose_ages_s: &'a [f64],
+        /// Packets and poses so far
+        counts: &'a Counts,
+        /// Deadlines missed so far
+        missed: u64,
+    },
+}
+
+/// Why a session ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ending {
+    /// The scenario was over
+    Finished,
+    /// Asked to, by a signal or a button
+    Stopped,
+    /// The tracker or a robot was silent for too long
+    Lost(String),
+}
+
+/// A session that is over; the robots stand, but for those named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LiveReport {
+    /// Why it ended
+    pub ending: Ending,
+    /// Robots by their ids that may not have got the command to stand
+    pub untold: Vec<u32>,
+    /// How punctual the loop was
+    pub deadlines: Deadlines,
+    /// Packets and poses
+    pub received: Counts,
+    /// Commands
+    pub commands: CommandCounts,
+}
+
+/// A scenario on a link.
+#[derive(Debug, Clone, Copy)]
+pub struct Session<'a> {
+    /// What is run; it needs a watchdog
+    pub scenario: &'a Scenario,
+    /// On what
+    pub link: &'a LinkSpec,
+}
+
+impl Session<'_> {
+    /// Runs until the scenario is over, the switch is on, or the link is lost, and tells every robot to stand, also if `update`
+    /// panics. The summary is by the poses that were measured.
+    ///
+    /// # Errors
+    ///
+    /// A scenario without a watchdog, a link that cannot be opened, or robots that do not appear or are not where they can start.
+    pub fn run(
+        &self,
+        stop: &StopSwitch,
+        mut update: impl FnMut(Update),
+    ) -> Result<(Summary, LiveReport), Error> {
+        let hardening = &self.scenario.spec().controller.hardening;
+        if hardening.max_pose_age_s.is_none() {
+            return Err(Error::Link {
+                peer: "controller".to_owned(),
+                problem: "without `max_pose_age_s` it would drive on old poses".to_owned(),
+                help: "set it under [scenario.controller.hardening], or use the hardened preset"
+                    .to_owned(),
+            });
+        }
+        let link = Link::open(self.link, self.scenario)?;
+        let mut drive = Drive::new(self.scenario, link);
+        let ending = if drive.appear(stop, &mut update)? {
+            drive.run(self.link.lost_after_s, stop, &mut update)
+        } else {
+            Ending::Stopped
+        };
+        Ok(drive.stopped(ending, &mut update))
+    }
+}
+
+struct Drive<'a> {
+    scenario: &'a Scenario,
+    link: Link,
+    convoy: Convoy<'a>,
+    pacer: Pacer,
+    /// Arrived since the last step
+    seen: Vec<Option<StampedPose>>,
+    /// The newest of all, as measured
+    measured: Vec<Option<StampedPose>>,
+    summary: Summarising,
+}
+
+impl<'a> Drive<'a> {
+    fn new(scenario: &'a Scenario, link: Link) -> Self {
+        let robots = scenario.starts().len();
+        let period_s = scenario.controller().hold_s();
+        Self {
+            scenario,
+            pacer: Pacer::new(link.inbox.clock(), period_s, link.is_fast()),
+            link,
+            convoy: Convoy::new(scenario),
+            seen: vec![None; robots],
+            measured: vec![None; robots],
+            summary: Summarising::new(scenario),
+        }
+    }
+
+    /// Waits until every robot is seen where it can start; false if asked to stop meanwhile.
+    fn appear(
+        &mut self,
+        stop: &StopSwitch,
+        update: &mut impl FnMut(Update),
+    ) -> Result<bool, Error> {
+        let start = Instant::now();
+        // The first step of a recording, however late it was.
+        let period_s = self.scenario.controller().hold_s();
+        self.link.play(period_s, self.pacer.start_s());
+        let needed = if self.link.is_recording() {
+            1
+        } else {
+            AGREEING
+        };
+        loop {
+            self.pass_notes(update);
+            if stop.is_on() {
+                return Ok(false);
+            }
+            let missing = self.link.inbox.unsteady(needed);
+            if missing.is_empty() {
+                break;
+            }
+            if start.elapsed() > APPEAR || self.link.has_ended() {
+                return Err(not_seen(&missing, &self.link.inbox.counts()));
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.link.inbox.start();
+        if !self.link.is_recording() {
+            self.pacer.restart();
+        }
+        self.take_poses();
+        self.check_starts()?;
+        Ok(true)
+    }
+
+    fn run(
+        &mut self,
+        lost_after_s: f64,
+        stop: &StopSwitch,
+        update: &mut impl FnMut(Update),
+    ) -> Ending {
+        let period_s = self.scenario.controller().hold_s();
+        let mut ticks = Vec::with_capacity(self.convoy.robots());
+        let mut last_pose_s = 0.0;
+        for step in 0.. {
+            let (time_s, late_s) = self.pacer.wait();
+            if stop.is_on() {
+                return Ending::Stopped;
+            }
+            if time_s >= self.scenario.spec().duration_s {
+                return Ending::Finished;
+            }
+            self.link
+                .play(time_s + 0.5 * period_s, self.pacer.start_s());
+            self.take_poses();
+            self.decide(step, time_s, late_s, &mut ticks);
+            let commands: Vec<Command> = ticks.iter().map(command).collect();
+            self.link.sink.send(&commands);
+            self.pacer.done();
+            for tick in &ticks {
+                self.summary.add(tick);
+            }
+            let counts = &self.link.inbox.counts();
+            let missed = self.pacer.missed();
+            let pose_ages_s = &self.pose_ages_s(time_s);
+            update(Update::Step {
+                ticks: &ticks,
+                pose_ages_s,
+                counts,
+                missed,
+            });
+            self.pass_notes(update);
+            if ticks.iter().any(|tick| tick.seen.is_some()) {
+                last_pose_s = time_s;
+            }
+            if self.link.is_recording() && self.link.has_ended() {
+                return Ending::Finished;
+            }
+            if let Some(what) = self.lost(time_s - last_pose_s, lost_after_s) {
+                return Ending::Lost(what);
+            }
+        }
+        Ending::Finished
+    }
+
+    fn stopped(mut self, ending: Ending, update: &mut impl FnMut(Update)) -> (Summary, LiveReport) {
+        let untold = self.link.stop();
+        self.pass_notes(update);
+        let report = LiveReport {
+            ending,
+            untold: untold.iter().map(|robot| self.link.ids[*robot]).collect(),
+            deadlines: self.pacer.deadlines(),
+            received: self.link.inbox.counts(),
+            commands: self.link.sink.counts(),
+        };
+        (self.summary.finished(), report)
+    }
+
+    fn pass_notes(&self, update: &mut impl FnMut(Update)) {
+        for note in self.link.inbox.notes() {
+            update(Update::Note(&note));
+        }
+    }
+
+    /// Stamps become times since the start.
+    fn take_poses(&mut self) {
+        let arrived = self.link.inbox.newest();
+        for (robot, seen) in arrived.into_iter().enumerate() {
+            let Some(mut seen) = seen else { continue };
+            seen.stamp_s -= self.pacer.start_s();
+            self.convoy.observe(robot, seen);
+            self.seen[robot] = Some(seen);
+            self.measured[robot] = Some(seen);
+        }
+    }
+
+    /// From the back, so that each robot sees the one ahead as it was before this step.
+    fn decide(&mut self, step: usize, time_s: f64, late_s: f64, ticks: &mut Vec<Tick>) {
+        ticks.clear();
+        for robot in (0..self.convoy.robots()).rev() {
+            let start = Instant::now();
+            let decision = self.convoy.step(robot, time_s);
+            let step_us = start.elapsed().as_secs_f64() * 1e6;
+            ticks.push(Tick {
+                tick: step,
+                robot,
+                time_s,
+                seen: self.seen[robot],
+                decision,
+                truth: self.measured_truth(robot, decision.speeds),
+                step_us,
+                late_us: late_s * 1e6,
+            });
+        }
+        self.seen.fill(None);
+    }
+
+    fn pose_ages_s(&self, time_s: f64) -> Vec<f64> {
+        let stamps_s = self.measured.iter();
+        let age_s = |seen: &StampedPose| time_s - seen.stamp_s;
+        stamps_s
+            .map(|seen| seen.as_ref().map_or(f64::NAN, age_s))
+            .collect()
+    }
+
+    /// The pose that has just arrived counts as the truth, with the speeds that the robot was told.
+    fn measured_truth(&self, robot: usize, speeds: Speeds) -> Option<Truth> {
+        let own = self.seen[robot]?;
+        let offset_m = self.scenario.controller().body().offset_m;
+        let ahead = robot.checked_sub(1).and_then(|ahead| self.measured[ahead]);
+        let ahead = ahead.filter(|ahead| own.stamp_s - ahead.stamp_s <= BESIDE_S);
+        let ahead = ahead.map(|ahead| ahead.pose.state(offset_m, Speeds::ZERO));
+        let state = own.pose.state(offset_m, speeds);
+        let safety = self.scenario.controller().safety(&state, ahead.as_ref());
+        Some(Truth { state, safety })
+    }
+
+    fn check_starts(&self) -> Result<(), Error> {
+        let half_width_m = self.scenario.spec().controller.lane.half_width_m;
+        for robot in 0..self.convoy.robots() {
+            let Some(truth) = self.measured_truth(robot, Speeds::ZERO) else {
+                continue;
+            };
+            let deviation_m = truth.safety.deviation_m;
+            let what = if deviation_m.abs() > half_width_m {
+                format!(
+                    "is {:.3} m off the path, and the lane reaches {half_width_m} m to each side; place it within",
+                    deviation_m.abs()
+                )
+            } else if truth
+                .safety
+                .headway_m
+                .is_some_and(|headway_m| headway_m < 0.0)
+            {
+                format!("is too near to robot {}; place it farther back", robot - 1)
+            } else {
+                continue;
+            };
+            return Err(unicycle_cbf::Error::Start { robot, what }.into());
+        }
+        Ok(())
+    }
+
+    fn lost(&self, without_poses_s: f64, lost_after_s: f64) -> Option<String> {
+        if self.link.has_ended() {
+            return Some("no more poses come: the tracker's side has ended".to_owned());
+        }
+        if without_poses_s > lost_after_s {
+            return Some(format!("no pose for {without_poses_s:.1} s"));
+        }
+        let silence = self.link.sink.silence()?;
+        let silent = silence.for_s > lost_after_s;
+        silent.then(|| {
+            format!(
+                "{} has been silent for {:.1} s",
+                silence.peer, silence.for_s
+            )
+        })
+    }
+}
+
+fn command(tick: &Tick) -> Command {
+    Command {
+        robot: tick.robot,
+        speeds: tick.decision.speeds,
+        wheels: tick.decision.wheels,
+    }
+}
+
+fn not_seen(ids: &[u32], counts: &Counts) -> Error {
+    let ids: Vec<String> = ids.iter().map(ToString::to_string).collect();
+    let counts = serde_json::to_string(counts).unwrap_or_default();
+    Error::Link {
+        peer: "tracker".to_owned(),
+        problem: format!("robots {} were not seen steadily; {counts}", ids.join(", ")),
+        help: "are their ids those of the tracker, are they in the arena?".to_owned(),
+    }
+}

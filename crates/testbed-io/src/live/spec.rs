@@ -1,0 +1,144 @@
+//! What a link's file says: who the robots are, where poses come from and where commands go.
+
+use std::net::SocketAddr;
+
+use serde::{Deserialize, Serialize};
+
+use super::commands::{KheperaSpec, RobotariumUdpSpec};
+use super::gate::Arena;
+use super::natnet::NatNetSpec;
+use super::poses::{JsonUdpSpec, Pace, ProgramSpec, RecordingSpec};
+use super::robotarium::RobotariumSpec;
+use crate::Error;
+
+/// A testbed as a file describes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkSpec {
+    /// How the tracker calls the robots, from the front
+    pub robots: Vec<u32>,
+    /// The session ends when no pose or no answer has come for this long, in s
+    #[serde(default = "default_lost_after_s")]
+    pub lost_after_s: f64,
+    /// Where robots can be; poses elsewhere are dropped. Without it, 0.5 m around the lane
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arena: Option<Arena>,
+    /// Where poses come from
+    pub poses: PosesSpec,
+    /// Where commands go
+    pub commands: CommandsSpec,
+}
+
+fn default_lost_after_s() -> f64 {
+    5.0
+}
+
+/// A tracker.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum PosesSpec {
+    /// OptiTrack
+    Natnet(NatNetSpec),
+    /// The Robotarium's tracker, over MQTT
+    Robotarium(RobotariumSpec),
+    /// JSON lines in datagrams
+    JsonUdp(JsonUdpSpec),
+    /// JSON lines of a program
+    Program(ProgramSpec),
+    /// A run log
+    Recording(RecordingSpec),
+}
+
+/// Robots.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum CommandsSpec {
+    /// Khepera III, over UDP
+    Khepera(KheperaSpec),
+    /// The Robotarium's robots, over the broker of the poses
+    Robotarium,
+    /// The Robotarium's robots of 2018, over UDP
+    RobotariumUdp(RobotariumUdpSpec),
+    /// JSON lines in datagrams
+    JsonUdp(JsonCommandsSpec),
+    /// JSON lines to the program that gives the poses
+    Program,
+    /// Nobody
+    None,
+}
+
+/// Who gets the commands of all robots.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JsonCommandsSpec {
+    /// Address and port
+    pub address: SocketAddr,
+}
+
+impl LinkSpec {
+    /// # Errors
+    ///
+    /// Another number of robots than the scenario has, repeated ids, a time that is not one, or commands that the poses' kind does
+    /// not go with.
+    pub(super) fn check(&self, robots: usize) -> Result<(), Error> {
+        let wrong = |problem: String, help: &str| Error::Link {
+            peer: "settings of the link".to_owned(),
+            problem,
+            help: help.to_owned(),
+        };
+        if self.robots.len() != robots {
+            return Err(wrong(
+                format!(
+                    "`robots` names {} and the scenario has {robots}",
+                    self.robots.len()
+                ),
+                "name the ids of all robots, from the front",
+            ));
+        }
+        let mut ids = self.robots.clone();
+        ids.sort_unstable();
+        if let Some([id, _]) = ids.array_windows().find(|[a, b]| a == b) {
+            return Err(wrong(
+                format!("robot {id} is named twice"),
+                "each robot has an id of its own",
+            ));
+        }
+        if !(0.5..=3600.0).contains(&self.lost_after_s) {
+            return Err(wrong(
+                format!("`lost_after_s` is {}", self.lost_after_s),
+                "give 0.5 to 3600 s",
+            ));
+        }
+        let addresses = match &self.commands {
+            CommandsSpec::Khepera(spec) => Some(spec.addresses.len()),
+            CommandsSpec::RobotariumUdp(spec) => Some(spec.addresses.len()),
+            _ => None,
+        };
+        if let Some(addresses) = addresses.filter(|addresses| *addresses != robots) {
+            return Err(wrong(
+                format!("{addresses} addresses for {robots} robots"),
+                "name the address of each robot, from the front",
+            ));
+        }
+        match (&self.commands, &self.poses) {
+            (CommandsSpec::Robotarium, PosesSpec::Robotarium(_))
+            | (CommandsSpec::Program, PosesSpec::Program(_)) => Ok(()),
+            (CommandsSpec::Robotarium | CommandsSpec::Program, _) => Err(wrong(
+                "commands go to the broker or program that gives the poses, and these come from elsewhere".to_owned(),
+                "give `poses` and `commands` the same kind",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether commands go to standard output.
+    #[must_use]
+    pub fn writes_to_stdout(&self) -> bool {
+        matches!(&self.poses, PosesSpec::Program(spec) if spec.command.is_empty())
+            && self.commands == CommandsSpec::Program
+    }
+
+    pub(super) fn is_fast(&self) -> bool {
+        matches!(&self.poses, PosesSpec::Recording(spec) if spec.pace == Pace::Fast)
+    }
+}

@@ -1,0 +1,90 @@
+//! A run log that is written while the run goes on, so that it is whole up to the last step whatever ends the program.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use super::csv;
+use crate::Error;
+use crate::run_log::{RunSpec, columns};
+use crate::tick::Tick;
+
+/// Steps that wait for a slow disk: at 50 Hz those of 20 s.
+const WAITING: usize = 1000;
+
+/// A CSV run log under way. A thread writes each step as a whole, so that a slow disk does not hold up the loop.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    steps: Option<SyncSender<Vec<Tick>>>,
+    thread: Option<JoinHandle<std::io::Result<()>>>,
+}
+
+impl Journal {
+    /// Makes the file and writes its header.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn create(path: &Path, spec: &RunSpec) -> Result<Self, Error> {
+        let failed = |source| Error::Write { source };
+        let mut file = File::create(path).map_err(failed)?;
+        csv::write_header(&spec.to_json()?, &columns(&[]), &mut file).map_err(failed)?;
+        let (sender, receiver) = sync_channel(WAITING);
+        let thread = std::thread::Builder::new().name("run log".to_owned());
+        let thread = thread.spawn(move || write(file, &receiver));
+        Ok(Self {
+            path: path.to_owned(),
+            steps: Some(sender),
+            thread: Some(thread.map_err(failed)?),
+        })
+    }
+
+    /// Adds the ticks of a step, without waiting. False says that the file takes no more.
+    pub fn add(&self, ticks: &[Tick]) -> bool {
+        let steps = self.steps.as_ref();
+        steps.is_some_and(|steps| steps.try_send(ticks.to_vec()).is_ok())
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes what is left.
+    ///
+    /// # Errors
+    ///
+    /// A step that could not be written.
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.close().map_err(|source| Error::Write { source })
+    }
+
+    fn close(&mut self) -> std::io::Result<()> {
+        self.steps = None;
+        let Some(thread) = self.thread.take() else {
+            return Ok(());
+        };
+        let panicked = |_| Err(std::io::Error::other("the thread that writes panicked"));
+        thread.join().unwrap_or_else(panicked)
+    }
+}
+
+impl Drop for Journal {
+    /// What was added is in the file also after a panic.
+    fn drop(&mut self) {
+        let _ = self.close();
+    }
+}
+
+fn write(file: File, steps: &Receiver<Vec<Tick>>) -> std::io::Result<()> {
+    let mut file = BufWriter::with_capacity(1 << 16, file);
+    for ticks in steps {
+        csv::write_rows(&columns(&ticks), &mut file)?;
+        file.flush()?;
+    }
+    file.get_ref().sync_all()
+}

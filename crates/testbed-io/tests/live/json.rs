@@ -1,0 +1,187 @@
+//! Robots of any kind: JSON lines over UDP and from a program, a recording, and many robots at once.
+
+use std::net::{IpAddr, UdpSocket};
+use std::time::{Duration, Instant};
+
+use testbed_io::live::json_lines::{CommandLine, PoseLine};
+use testbed_io::live::poses::{JsonUdpSpec, Pace, ProgramSpec, RecordingSpec};
+use testbed_io::live::{CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, StopSwitch};
+use testbed_io::log_file::{LogFormat, write};
+use testbed_io::{Disturbances, Run, RunSpec};
+use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Speeds, Testbed};
+
+use super::testbed::run;
+use super::world::World;
+
+fn scenario(robots: usize, duration_s: f64) -> ScenarioSpec {
+    let mut spec = Testbed::Khepera
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.duration_s = duration_s;
+    spec.rate_hz = 30.0;
+    spec.robots = (0..robots)
+        .rev()
+        .map(|place| RobotSpec::steady(0.6 * place as f64, 0.1))
+        .collect();
+    spec
+}
+
+fn link(robots: usize, poses: PosesSpec, commands: CommandsSpec) -> LinkSpec {
+    LinkSpec {
+        robots: (1..=robots as u32).collect(),
+        lost_after_s: 5.0,
+        arena: None,
+        poses,
+        commands,
+    }
+}
+
+/// Robots that speak JSON lines over UDP until the session tells nothing for a second.
+fn udp_robots(spec: &ScenarioSpec) -> (LinkSpec, World, std::thread::JoinHandle<World>) {
+    let scenario = Scenario::new(spec.clone()).unwrap();
+    let free = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let listen = free.local_addr().unwrap();
+    drop(free);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    socket
+        .set_read_timeout(Some(Duration::from_millis(5)))
+        .unwrap();
+    let link = link(
+        scenario.starts().len(),
+        PosesSpec::JsonUdp(JsonUdpSpec {
+            listen,
+            sender: IpAddr::from([127, 0, 0, 1]),
+            latency_s: 0.0,
+        }),
+        CommandsSpec::JsonUdp(JsonCommandsSpec {
+            address: socket.local_addr().unwrap(),
+        }),
+    );
+    let (world, moving) = World::new(&scenario, None);
+    let robots = world.clone();
+    let thread = std::thread::spawn(move || {
+        let _moving = moving;
+        let start = Instant::now();
+        let mut heard = None::<Instant>;
+        let mut send_at = start;
+        let mut buffer = [0; 65_536];
+        while heard.is_none_or(|heard| heard.elapsed() < Duration::from_secs(1)) {
+            assert!(start.elapsed() < Duration::from_secs(120));
+            if Instant::now() >= send_at {
+                send_at += Duration::from_millis(20);
+                let mut text = Vec::new();
+                for (robot, pose) in robots.poses().iter().enumerate() {
+                    let line = PoseLine {
+                        robot: robot as u32 + 1,
+                        x: pose.x_m,
+                        y: pose.y_m,
+                        theta: pose.heading_rad,
+                        t: Some(start.elapsed().as_secs_f64()),
+                    };
+                    serde_json::to_writer(&mut text, &line).unwrap();
+                    text.push(b'\n');
+                }
+                let _ = socket.send_to(&text, listen);
+            }
+            if let Ok((bytes, _)) = socket.recv_from(&mut buffer) {
+                heard = Some(Instant::now());
+                for line in buffer[..bytes].split(|byte| *byte == b'\n') {
+                    if let Some(command) = CommandLine::parse(line) {
+                        robots.tell(
+                            command.robot as usize - 1,
+                            Speeds {
+                                speed_mps: command.v,
+                                turn_rate_rad_s: command.w,
+                            },
+                        );
+                    }
+                }
+            }
+        }
+        robots
+    });
+    (link, world, thread)
+}
+
+#[test]
+fn twenty_robots_at_30_hz() {
+    let spec = scenario(20, 20.0);
+    let scenario = Scenario::new(spec.clone()).unwrap();
+    let (link, _, robots) = udp_robots(&spec);
+    let (ticks, _, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
+    let world = robots.join().unwrap();
+    assert_eq!(report.ending, Ending::Finished);
+    let least = world.least();
+    println!("{least:?}");
+    assert!(world.stands());
+    assert!(least.headway_m >= 0.0 && least.lane_clearance_m >= 0.0);
+    let steps = ticks.len() / 20;
+    println!("missed {} of {steps}", report.deadlines.missed);
+    assert!(report.deadlines.missed as f64 <= 0.005 * steps as f64);
+}
+
+#[test]
+fn a_recording_is_played_fast_and_in_real_time() {
+    let spec = scenario(2, 6.0);
+    let scenario = Scenario::new(spec.clone()).unwrap();
+    let (first, _, robots) = udp_robots(&spec);
+    let (ticks, ..) = run(&scenario, &first, &StopSwitch::default(), |_| {});
+    robots.join().unwrap();
+    let recorded = ticks.len();
+    let run_spec = RunSpec {
+        seed: 1,
+        scenario: spec,
+        disturbances: Disturbances::default(),
+        link: Some(first),
+    };
+    let table = Run {
+        spec: run_spec,
+        ticks,
+    }
+    .to_table()
+    .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    let mut out = std::fs::File::create(&file).unwrap();
+    write(&table, LogFormat::Mcap, &mut out).unwrap();
+    for (pace, least_s, most_s) in [(Pace::Fast, 0.0, 2.0), (Pace::RealTime, 5.0, 9.0)] {
+        let poses = PosesSpec::Recording(RecordingSpec {
+            file: file.clone(),
+            pace,
+        });
+        let start = Instant::now();
+        let again = link(2, poses, CommandsSpec::None);
+        let (ticks, summary, report) = run(&scenario, &again, &StopSwitch::default(), |_| {});
+        let took_s = start.elapsed().as_secs_f64();
+        assert!((least_s..most_s).contains(&took_s), "{took_s} s");
+        assert_eq!(report.ending, Ending::Finished);
+        assert!(summary.safe);
+        assert!(ticks.len() > recorded * 9 / 10);
+        let seen = ticks.iter().filter(|tick| tick.seen.is_some()).count();
+        assert!(seen > recorded * 8 / 10, "{seen} of {recorded}");
+    }
+}
+
+#[test]
+fn a_program_is_the_robots() {
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let mut python = std::process::Command::new("python3");
+    if python.arg("--version").output().is_err() {
+        println!("skipped: no python3");
+        return;
+    }
+    let program = PosesSpec::Program(ProgramSpec {
+        command: vec!["python3".to_owned(), robots.to_owned()],
+        latency_s: 0.0,
+    });
+    let mut spec = Testbed::Robotarium
+        .scenario("track", Preset::Hardened)
+        .unwrap();
+    spec.duration_s = 5.0;
+    let scenario = Scenario::new(spec).unwrap();
+    let link = link(2, program, CommandsSpec::Program);
+    let (_, summary, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
+    assert_eq!(report.ending, Ending::Finished);
+    assert!(report.untold.is_empty() && summary.safe);
+    assert!(summary.mean_speed_mps > 0.05, "{}", summary.mean_speed_mps);
+}
