@@ -13,6 +13,7 @@ mod bad_input;
 mod browser;
 mod calibrate;
 mod ctrl;
+mod ctrl_live;
 mod documents;
 mod energy;
 mod evaluate;

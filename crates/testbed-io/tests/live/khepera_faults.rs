@@ -17,7 +17,9 @@ const STATED: Duration = Duration::from_millis(300 + 20 + 60);
 const OUTAGE: Duration = Duration::from_secs(2);
 
 /// What happens when; each thing happens once.
-struct Plan(Vec<(f64, Box<dyn FnMut(&KheperaTestbed)>)>);
+struct Plan(Vec<Event>);
+
+type Event = (f64, Box<dyn FnMut(&KheperaTestbed)>);
 
 impl Plan {
     fn due(&mut self, time_s: f64, testbed: &KheperaTestbed) {
@@ -29,10 +31,7 @@ impl Plan {
     }
 }
 
-fn at(
-    time_s: f64,
-    act: impl FnMut(&KheperaTestbed) + 'static,
-) -> (f64, Box<dyn FnMut(&KheperaTestbed)>) {
+fn at(time_s: f64, act: impl FnMut(&KheperaTestbed) + 'static) -> Event {
     (time_s, Box::new(act))
 }
 
