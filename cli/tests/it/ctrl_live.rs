@@ -236,7 +236,6 @@ fn every_link_that_is_shown_can_be_read() {
         ("khepera", "no answer to the first request"),
         ("robotarium", "1883"),
         ("robotarium-udp", "1883"),
-        ("json-udp", "not seen"),
         ("program", "not seen"),
         ("recording", "run.mcap"),
     ];
@@ -246,7 +245,7 @@ fn every_link_that_is_shown_can_be_read() {
         let text = text
             .replace("192.168.0.1", "127.0.0.1")
             .replace("192.168.1.1", "127.0.0.1");
-        let text = text.replace(":5005", ":0").replace("python3", "true");
+        let text = text.replace("python3", "true");
         let file = format!("{kind}.toml");
         std::fs::write(folder.path().join(&file), text).unwrap();
         let folder = folder.path().to_owned();
@@ -259,6 +258,30 @@ fn every_link_that_is_shown_can_be_read() {
     for run in runs {
         run.join().unwrap();
     }
+}
+
+#[test]
+fn whom_a_session_waits_for_is_said_and_it_can_be_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let show = ["ctrl", "run", "--show-link", "json-udp"];
+    let link = drivekit(&show).ok().stdout.replace(":5005", ":0");
+    std::fs::write(folder.path().join("lab.toml"), link).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
+        .current_dir(folder.path())
+        .args(["ctrl", "run", "--live", "lab.toml", "-o", "run.csv"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    stderr.read_line(&mut line).unwrap();
+    assert!(
+        line.contains("waiting for poses of robot 1, robot 2"),
+        "{line}"
+    );
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
 #[test]

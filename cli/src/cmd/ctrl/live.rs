@@ -179,6 +179,10 @@ impl LiveSession<'_> {
         if let Some(journal) = journal {
             journal.finish()?;
         }
+        if let (Err(_), Some(log)) = (&ended, self.log) {
+            // It never started.
+            forget_journal(log);
+        }
         let (summary, report) = ended?;
         Ok((kept, summary, report))
     }

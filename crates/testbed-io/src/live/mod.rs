@@ -4,6 +4,7 @@ mod clock;
 pub mod commands;
 mod counts;
 mod gate;
+mod hurry;
 mod inbox;
 pub mod json_lines;
 mod link;

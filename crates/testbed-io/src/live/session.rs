@@ -1,5 +1,6 @@
 //! The loop: poses in, decisions out, at a fixed rate, and zero speed on every way out.
 
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -9,6 +10,7 @@ use unicycle_cbf::{Scenario, Speeds, StampedPose};
 
 use super::commands::{Command, CommandCounts};
 use super::counts::Counts;
+use super::hurry::hurry;
 use super::link::Link;
 use super::pacer::{Deadlines, Pacer};
 use super::spec::LinkSpec;
@@ -17,8 +19,9 @@ use crate::error::Error;
 use crate::summary::{Summarising, Summary};
 use crate::tick::{Tick, Truth};
 
-/// How long robots have to appear before the start.
-const APPEAR: Duration = Duration::from_secs(10);
+/// How long robots have to appear before the start, and after which time the user is told whom the session waits for.
+const APPEAR: Duration = Duration::from_secs(60);
+const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
 /// Poses of two robots that are farther apart than this in time are not compared, in s.
@@ -105,6 +108,23 @@ impl Session<'_> {
     pub fn run(
         &self,
         stop: &StopSwitch,
+        update: impl FnMut(Update) + Send,
+    ) -> Result<(Summary, LiveReport), Error> {
+        std::thread::scope(|scope| {
+            let thread = std::thread::Builder::new().name("control loop".to_owned());
+            let thread = thread.spawn_scoped(scope, || self.run_here(stop, update));
+            let thread = thread.map_err(|source| Error::Link {
+                peer: "control loop".to_owned(),
+                problem: source.to_string(),
+                help: "are there too many threads?".to_owned(),
+            })?;
+            thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+        })
+    }
+
+    fn run_here(
+        &self,
+        stop: &StopSwitch,
         mut update: impl FnMut(Update),
     ) -> Result<(Summary, LiveReport), Error> {
         let hardening = &self.scenario.spec().controller.hardening;
@@ -169,6 +189,7 @@ impl<'a> Drive<'a> {
         } else {
             AGREEING
         };
+        let mut told = false;
         loop {
             self.pass_notes(update);
             if stop.is_on() {
@@ -180,6 +201,13 @@ impl<'a> Drive<'a> {
             }
             if start.elapsed() > APPEAR || self.link.has_ended() {
                 return Err(not_seen(&missing, &self.link.inbox.counts()));
+            }
+            if !told && start.elapsed() > WAITING {
+                told = true;
+                update(Update::Note(&format!(
+                    "waiting for poses of {}",
+                    names(&missing)
+                )));
             }
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -198,6 +226,11 @@ impl<'a> Drive<'a> {
         stop: &StopSwitch,
         update: &mut impl FnMut(Update),
     ) -> Ending {
+        if !hurry() {
+            update(Update::Note(
+                "no permission for real-time priority: on a busy computer steps may be late; see the page on testbeds",
+            ));
+        }
         let period_s = self.scenario.controller().hold_s();
         let mut ticks = Vec::with_capacity(self.convoy.robots());
         let mut last_pose_s = 0.0;
@@ -235,7 +268,7 @@ impl<'a> Drive<'a> {
             if self.link.is_recording() && self.link.has_ended() {
                 return Ending::Finished;
             }
-            if let Some(what) = self.lost(time_s - last_pose_s, lost_after_s) {
+            if let Some(what) = self.lost(time_s, time_s - last_pose_s, lost_after_s) {
                 return Ending::Lost(what);
             }
         }
@@ -340,7 +373,8 @@ impl<'a> Drive<'a> {
         Ok(())
     }
 
-    fn lost(&self, without_poses_s: f64, lost_after_s: f64) -> Option<String> {
+    /// Before the start nobody was told anything that could be answered.
+    fn lost(&self, time_s: f64, without_poses_s: f64, lost_after_s: f64) -> Option<String> {
         if self.link.has_ended() {
             return Some("no more poses come: the tracker's side has ended".to_owned());
         }
@@ -348,7 +382,7 @@ impl<'a> Drive<'a> {
             return Some(format!("no pose for {without_poses_s:.1} s"));
         }
         let silence = self.link.sink.silence()?;
-        let silent = silence.for_s > lost_after_s;
+        let silent = silence.for_s.min(time_s) > lost_after_s;
         silent.then(|| {
             format!(
                 "{} has been silent for {:.1} s",
@@ -367,11 +401,24 @@ fn command(tick: &Tick) -> Command {
 }
 
 fn not_seen(ids: &[u32], counts: &Counts) -> Error {
-    let ids: Vec<String> = ids.iter().map(ToString::to_string).collect();
-    let counts = serde_json::to_string(counts).unwrap_or_default();
+    let dropped = counts.dropped();
+    let dropped = dropped
+        .iter()
+        .map(|(reason, count)| format!(", {count} {reason}"));
     Error::Link {
         peer: "tracker".to_owned(),
-        problem: format!("robots {} were not seen steadily; {counts}", ids.join(", ")),
-        help: "are their ids those of the tracker, are they in the arena?".to_owned(),
+        problem: format!(
+            "not seen, or not steadily: {}; {} packets, {} poses used{}",
+            names(ids),
+            counts.packets,
+            counts.poses,
+            dropped.collect::<String>()
+        ),
+        help: "are these their ids at the tracker, are they in the arena?".to_owned(),
     }
+}
+
+fn names(ids: &[u32]) -> String {
+    let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
+    names.join(", ")
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use socket2::{Domain, Protocol, Socket, Type};
 
 use super::super::inbox::Inbox;
+use super::super::poses::receiver;
 use super::axes::Up;
 use super::session::Session;
 use crate::Error;
@@ -112,11 +113,8 @@ pub fn start(spec: &NatNetSpec, inbox: Inbox) -> Result<JoinHandle<Result<(), Er
             "port {wanted} is taken; NatNet frames are awaited at port {port}"
         ));
     }
-    let session = Session::new(spec.clone(), inbox);
-    thread::Builder::new()
-        .name("natnet".to_owned())
-        .spawn(move || run(&session, &sockets))
-        .map_err(|source| no_thread(spec, &source))
+    let session = Session::new(spec.clone(), inbox.clone());
+    receiver("natnet", inbox, move |_| run(&session, &sockets))
 }
 
 fn run(session: &Session, sockets: &Sockets) -> Result<(), Error> {

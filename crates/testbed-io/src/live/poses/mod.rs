@@ -6,6 +6,7 @@ mod recording;
 
 use std::thread::JoinHandle;
 
+use super::hurry::hurry;
 use super::inbox::Inbox;
 use crate::Error;
 
@@ -26,7 +27,10 @@ pub(super) fn receiver(
     run: impl FnOnce(&Inbox) -> Result<(), Error> + Send + 'static,
 ) -> Result<Receiver, Error> {
     let thread = std::thread::Builder::new().name(name.to_owned());
-    let spawned = thread.spawn(move || run(&inbox));
+    let spawned = thread.spawn(move || {
+        hurry();
+        run(&inbox)
+    });
     spawned.map_err(|source| Error::Link {
         peer: name.to_owned(),
         problem: source.to_string(),

@@ -9,6 +9,7 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use unicycle_cbf::Speeds;
 
+use super::super::hurry::hurry;
 use super::super::inbox::Inbox;
 use super::RobotariumSpec;
 use super::commands::{Lane, Sender};
@@ -65,7 +66,10 @@ pub fn connect(spec: &RobotariumSpec, ids: &[u32], inbox: Inbox) -> Result<Robot
     };
     let thread = std::thread::Builder::new()
         .name("robotarium".to_owned())
-        .spawn(move || connections.run(runtime, &ended))
+        .spawn(move || {
+            hurry();
+            connections.run(runtime, &ended);
+        })
         .map_err(|error| thread_error(spec, &error))?;
     let mut robotarium = Robotarium {
         lanes,
