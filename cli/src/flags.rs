@@ -46,7 +46,7 @@ enum Color {
 }
 
 /// What a subcommand needs to know of the global flags.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Context {
     pub(crate) format: Format,
     pub(crate) quiet: bool,

@@ -114,3 +114,14 @@ pub enum Error {
     #[error("the last robot of the recording has no poses")]
     NoPoses,
 }
+
+impl Error {
+    /// A thread that the system does not give.
+    pub(crate) fn no_thread(name: &str, source: &std::io::Error) -> Self {
+        Self::Link {
+            peer: name.to_owned(),
+            problem: source.to_string(),
+            help: "are there too many threads?".to_owned(),
+        }
+    }
+}

@@ -1,7 +1,11 @@
 //! Real robots: a session on a link, its journal and its view.
 
+use std::io::Write as _;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -130,8 +134,7 @@ impl LiveSession<'_> {
         context: &Context,
     ) -> anyhow::Result<(Vec<Tick>, Summary, LiveReport)> {
         let stop = StopSwitch::default();
-        let on_signal = stop.clone();
-        ctrlc::set_handler(move || on_signal.stop()).context("cannot watch for Ctrl-C")?;
+        watch_signals(&stop)?;
         let (scenario, link) = (self.session.scenario, self.session.link);
         let view = self.view.map(|at| view(at, scenario, &stop, context));
         let view = view.transpose()?;
@@ -139,10 +142,14 @@ impl LiveSession<'_> {
             .log
             .map(|log| Journal::create(&partial(log), self.spec));
         let journal = journal.transpose()?;
+        let notes = Notes::start(context)?;
         let mut kept = Vec::new();
+        if keep {
+            kept.reserve_exact(scenario.steps() * link.robots.len());
+        }
         let ended = self.session.run(&stop, |update| match update {
             Update::Note(text) => {
-                output::note(context, text);
+                notes.tell(text);
                 if let Some(view) = &view {
                     view.note(text);
                 }
@@ -153,9 +160,9 @@ impl LiveSession<'_> {
                 counts,
                 missed,
             } => {
-                if journal.as_ref().is_some_and(|journal| !journal.add(ticks)) {
-                    output::note(context, "the run log takes no more; stopping");
+                if journal.as_ref().is_some_and(|journal| !journal.add(ticks)) && !stop.is_on() {
                     stop.stop();
+                    notes.tell("the run log takes no more; stopping");
                 }
                 if keep {
                     kept.extend_from_slice(ticks);
@@ -173,11 +180,15 @@ impl LiveSession<'_> {
                 }
             }
         });
-        if let (Some(view), Ok((_, report))) = (&view, &ended) {
-            view.ended(&ending_text(&report.ending));
+        notes.finish();
+        if let Ok((_, report)) = &ended {
+            warn_of_untold(report);
+            if let Some(view) = &view {
+                view.ended(&ending_text(&report.ending));
+            }
         }
-        if let Some(journal) = journal {
-            journal.finish()?;
+        if let Some(Err(error)) = journal.map(Journal::finish) {
+            output::note(context, &format!("{error:#}"));
         }
         if let (Err(_), Some(log)) = (&ended, self.log) {
             // It never started.
@@ -185,6 +196,62 @@ impl LiveSession<'_> {
         }
         let (summary, report) = ended?;
         Ok((kept, summary, report))
+    }
+}
+
+/// Signals that would end or suspend the program stop the robots instead.
+fn watch_signals(stop: &StopSwitch) -> anyhow::Result<()> {
+    #[cfg(unix)]
+    use signal_hook::consts::{SIGHUP, SIGQUIT, SIGTSTP};
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let signals = [
+        SIGINT,
+        SIGTERM,
+        #[cfg(unix)]
+        SIGHUP,
+        #[cfg(unix)]
+        SIGQUIT,
+        #[cfg(unix)]
+        SIGTSTP,
+    ];
+    for signal in signals {
+        signal_hook::flag::register(signal, stop.flag()).context("cannot watch for signals")?;
+    }
+    Ok(())
+}
+
+/// Notes on stderr by a thread of their own: a reader that does not read must not hold up the loop.
+struct Notes {
+    texts: SyncSender<String>,
+    thread: JoinHandle<()>,
+}
+
+impl Notes {
+    fn start(context: &Context) -> anyhow::Result<Self> {
+        let (texts, waiting) = sync_channel::<String>(64);
+        let context = *context;
+        let thread = std::thread::Builder::new().name("notes".to_owned());
+        let thread = thread.spawn(move || {
+            for text in waiting {
+                output::note(&context, &text);
+            }
+        })?;
+        Ok(Self { texts, thread })
+    }
+
+    fn tell(&self, text: &str) {
+        let _ = self.texts.try_send(text.to_owned());
+    }
+
+    /// Waits for what was told, but not for ever.
+    fn finish(self) {
+        drop(self.texts);
+        for _ in 0..100 {
+            if self.thread.is_finished() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 }
 
@@ -198,14 +265,27 @@ pub(crate) fn forget_journal(log: &Path) {
     let _ = std::fs::remove_file(partial(log));
 }
 
+/// Before anything else that may fail, and also with `--quiet`.
+fn warn_of_untold(report: &LiveReport) {
+    if let Some(text) = untold(report) {
+        let _ = writeln!(
+            anstream::stderr().lock(),
+            "\u{1b}[1;31mwarning:\u{1b}[0m {text}"
+        );
+    }
+}
+
+fn untold(report: &LiveReport) -> Option<String> {
+    let ids = report.untold.iter().map(ToString::to_string);
+    let ids = ids.collect::<Vec<_>>().join(", ");
+    let text = || format!("robots {ids} may not have got the command to stand: STOP THEM BY HAND");
+    (!report.untold.is_empty()).then(text)
+}
+
 /// A link that was lost, or robots that may still move, are errors.
 pub(crate) fn check(report: &LiveReport) -> anyhow::Result<()> {
-    if !report.untold.is_empty() {
-        let ids: Vec<String> = report.untold.iter().map(ToString::to_string).collect();
-        anyhow::bail!(
-            "robots {} may not have got the command to stand: STOP THEM BY HAND",
-            ids.join(", ")
-        );
+    if let Some(text) = untold(report) {
+        anyhow::bail!(text);
     }
     if let Ending::Lost(what) = &report.ending {
         anyhow::bail!("the link was lost: {what}");

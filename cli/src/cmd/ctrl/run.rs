@@ -81,16 +81,15 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::check_file_place(path)?;
     }
     let format = args.output.as_deref().map(LogFormat::from_path);
-    let format = format.transpose()?;
+    format.transpose()?;
     let ended = args.ended(&named.spec, &scenario, context)?;
-    if let (Some(path), Some(format)) = (&args.output, format) {
-        let table = ended.run.to_table()?;
-        output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
-        output::note(context, &format!("run log written to {}", path.display()));
-        live::forget_journal(path);
-    }
-    args.tell(&named, &scenario, &ended, context)?;
-    ended.outcome()
+    let told = args
+        .save(&ended.run, context)
+        .and_then(|()| args.tell(&named, &scenario, &ended, context));
+    // Robots that may still move are worse than a file that cannot be written.
+    let outcome = ended.outcome()?;
+    told?;
+    Ok(outcome)
 }
 
 /// A run that is over, in simulation or on real robots.
@@ -162,6 +161,20 @@ impl RunArgs {
             summary,
             live,
         })
+    }
+
+    fn save(&self, run: &Run, context: &Context) -> anyhow::Result<()> {
+        let Some(path) = &self.output else {
+            return Ok(());
+        };
+        let format = LogFormat::from_path(path)?;
+        let table = run.to_table()?;
+        output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
+        output::note(context, &format!("run log written to {}", path.display()));
+        if run.spec.link.is_some() {
+            live::forget_journal(path);
+        }
+        Ok(())
     }
 
     /// Report and document.

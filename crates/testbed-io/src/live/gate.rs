@@ -28,36 +28,46 @@ pub struct Bounds {
     pub spacing_m: f64,
 }
 
-/// By how much a newer pose is newer, in s; stamps of the same pose differ by rounding.
-const NEWER_S: f64 = 1e-6;
+/// By how much a newer pose is newer, in s; more than the drift of clocks makes of a stamp that repeats itself.
+const NEWER_S: f64 = 5e-4;
 /// How wrong a pose may be, in m and rad.
 const TOLERANCE_M: f64 = 0.05;
 const TOLERANCE_RAD: f64 = 0.5;
 /// A robot out of sight was told to stop and has stopped within this time, in s: it is not farther away than it can move in it.
 const STOPPED_AFTER_S: f64 = 2.5;
+/// Poses are compared with one that is older than this besides, in s, so that the tolerance does not add up from pose to pose.
+const APART_S: f64 = 0.5;
 
-/// Remembers where each robot was last.
+/// Remembers where each robot was.
 #[derive(Debug, Clone)]
 pub(super) struct Gate {
     bounds: Bounds,
-    last: Vec<Option<StampedPose>>,
-    /// Poses in a row that agree with each other
-    agreeing: Vec<u32>,
+    tracks: Vec<Track>,
     started: bool,
+}
+
+/// Where a robot was.
+#[derive(Debug, Clone, Copy, Default)]
+struct Track {
+    last: Option<StampedPose>,
+    /// Two poses that are at least half a second apart, the older first
+    earlier: [Option<StampedPose>; 2],
+    /// Poses in a row that agree with each other
+    agreeing: u32,
 }
 
 impl Gate {
     pub(super) fn new(bounds: Bounds, robots: usize) -> Self {
         Self {
             bounds,
-            last: vec![None; robots],
-            agreeing: vec![0; robots],
+            tracks: vec![Track::default(); robots],
             started: false,
         }
     }
 
+    /// Poses in a row that agree with each other.
     pub(super) fn agreeing(&self, robot: usize) -> u32 {
-        self.agreeing[robot]
+        self.tracks[robot].agreeing
     }
 
     /// Until now a robot was taken to be where its newest pose says, so that one wrong pose at the beginning does not count for ever.
@@ -70,19 +80,50 @@ impl Gate {
         if !self.bounds.arena.contains(&seen.pose) {
             return Err(Dropped::Outside);
         }
-        if let Some(last) = &self.last[robot] {
-            match self.bounds.follows(last, &seen) {
-                Err(Dropped::Jump) if !self.started => self.agreeing[robot] = 0,
-                follows => follows?,
+        let mut track = self.tracks[robot];
+        match track.follows(&seen, &self.bounds) {
+            Err(Dropped::Jump) if !self.started => {
+                track = Track {
+                    last: track.last,
+                    ..Track::default()
+                };
             }
+            follows => follows?,
         }
-        let mut others = self.last.iter().enumerate();
-        if others.any(|(other, last)| other != robot && self.bounds.overlap(last.as_ref(), &seen)) {
+        let mut others = self.tracks.iter().enumerate();
+        if others.any(|(other, track)| other != robot && self.bounds.overlap(track, &seen)) {
             return Err(Dropped::Overlapping);
         }
-        self.last[robot] = Some(seen);
-        self.agreeing[robot] = self.agreeing[robot].saturating_add(1);
+        track.add(seen);
+        self.tracks[robot] = track;
         Ok(())
+    }
+}
+
+impl Track {
+    fn follows(&self, seen: &StampedPose, bounds: &Bounds) -> Result<(), Dropped> {
+        let newer = |last: StampedPose| seen.stamp_s - last.stamp_s >= NEWER_S;
+        if !self.last.is_none_or(newer) {
+            return Err(Dropped::Old);
+        }
+        let within = |before: Option<StampedPose>, most_s: f64| {
+            before.is_none_or(|before| bounds.reach(&before, seen, most_s))
+        };
+        // In sight since the earlier pose, it may have moved all the time.
+        if within(self.last, STOPPED_AFTER_S) && within(self.earlier[0], f64::INFINITY) {
+            Ok(())
+        } else {
+            Err(Dropped::Jump)
+        }
+    }
+
+    fn add(&mut self, seen: StampedPose) {
+        let [older, newer] = self.earlier;
+        if newer.is_none_or(|newer| seen.stamp_s - newer.stamp_s >= APART_S) {
+            self.earlier = [newer.or(older), Some(seen)];
+        }
+        self.last = Some(seen);
+        self.agreeing = self.agreeing.saturating_add(1);
     }
 }
 
@@ -94,28 +135,106 @@ impl Arena {
 }
 
 impl Bounds {
-    fn follows(&self, last: &StampedPose, seen: &StampedPose) -> Result<(), Dropped> {
-        let passed_s = seen.stamp_s - last.stamp_s;
-        if passed_s <= NEWER_S {
-            return Err(Dropped::Old);
-        }
-        let moving_s = passed_s.min(STOPPED_AFTER_S);
-        let turn_rad = (seen.pose.heading_rad - last.pose.heading_rad) % std::f64::consts::TAU;
-        let turn_rad = turn_rad.abs().min(std::f64::consts::TAU - turn_rad.abs());
-        let near = distance_m(&last.pose, &seen.pose) <= TOLERANCE_M + self.speed_mps * moving_s;
-        let turned = turn_rad <= TOLERANCE_RAD + self.turn_rate_rad_s * moving_s;
-        if near && turned {
-            Ok(())
-        } else {
-            Err(Dropped::Jump)
-        }
+    /// Whether a robot can have come from one pose to the other if it moved for at most some time.
+    fn reach(&self, before: &StampedPose, seen: &StampedPose, most_s: f64) -> bool {
+        let moving_s = (seen.stamp_s - before.stamp_s).min(most_s);
+        let turn = std::f64::consts::TAU;
+        let turned_rad = ((seen.pose.heading_rad - before.pose.heading_rad) % turn).abs();
+        let turned_rad = turned_rad.min(turn - turned_rad);
+        let near_m = TOLERANCE_M + self.speed_mps * moving_s;
+        distance_m(&before.pose, &seen.pose) <= near_m
+            && turned_rad <= TOLERANCE_RAD + self.turn_rate_rad_s * moving_s
     }
 
-    fn overlap(&self, other: Option<&StampedPose>, seen: &StampedPose) -> bool {
-        other.is_some_and(|other| distance_m(&other.pose, &seen.pose) < self.spacing_m)
+    fn overlap(&self, other: &Track, seen: &StampedPose) -> bool {
+        other
+            .last
+            .is_some_and(|other| distance_m(&other.pose, &seen.pose) < self.spacing_m)
     }
 }
 
 fn distance_m(a: &Pose, b: &Pose) -> f64 {
     (a.x_m - b.x_m).hypot(a.y_m - b.y_m)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Bounds = Bounds {
+        arena: Arena {
+            x_m: [-2.0, 30.0],
+            y_m: [-2.0, 2.0],
+        },
+        speed_mps: 0.3,
+        turn_rate_rad_s: 3.0,
+        spacing_m: 0.1,
+    };
+
+    fn seen(stamp_s: f64, x_m: f64) -> StampedPose {
+        let pose = Pose {
+            x_m,
+            y_m: 0.0,
+            heading_rad: 0.0,
+        };
+        StampedPose { stamp_s, pose }
+    }
+
+    fn started() -> Gate {
+        let mut gate = Gate::new(BOUNDS, 2);
+        gate.pass(0, seen(0.0, 0.0)).unwrap();
+        gate.pass(1, seen(0.0, 1.0)).unwrap();
+        gate.start();
+        gate
+    }
+
+    #[test]
+    fn poses_that_cannot_be_are_named() {
+        let mut gate = started();
+        assert_eq!(gate.pass(0, seen(0.1, 40.0)), Err(Dropped::Outside));
+        assert_eq!(gate.pass(0, seen(0.1, 0.5)), Err(Dropped::Jump));
+        assert_eq!(gate.pass(0, seen(0.0, 0.0)), Err(Dropped::Old));
+        assert_eq!(gate.pass(0, seen(5.0, 0.95)), Err(Dropped::Jump));
+        gate.pass(0, seen(5.0, 0.75)).unwrap();
+        assert_eq!(gate.pass(0, seen(6.0, 0.95)), Err(Dropped::Overlapping));
+        gate.pass(0, seen(6.0, 0.85)).unwrap();
+    }
+
+    #[test]
+    fn small_steps_do_not_add_up_to_a_large_one() {
+        let mut gate = started();
+        let passed = (1..500).filter(|step| {
+            let step = f64::from(*step);
+            // 2.5 m/s, away from the other robot
+            gate.pass(0, seen(0.02 * step, -0.05 * step)).is_ok()
+        });
+        let passed = passed.count();
+        assert!(passed < 30, "{passed}");
+    }
+
+    #[test]
+    fn before_the_start_the_newest_pose_counts() {
+        let mut gate = Gate::new(BOUNDS, 1);
+        gate.pass(0, seen(0.0, 20.0)).unwrap();
+        gate.pass(0, seen(0.1, 0.0)).unwrap();
+        assert_eq!(gate.agreeing(0), 1);
+        gate.pass(0, seen(0.2, 0.0)).unwrap();
+        assert_eq!(gate.agreeing(0), 2);
+    }
+
+    #[test]
+    fn a_turn_through_pi_is_no_jump() {
+        let mut gate = started();
+        for (step, heading_rad) in [
+            (1.0, 3.1),
+            (2.0, -3.1),
+            (3.0, 3.1),
+            (4.0, 3.1 - 10.0 * std::f64::consts::TAU),
+        ] {
+            let mut pose = seen(step, 0.0);
+            pose.pose.heading_rad = heading_rad;
+            gate.pass(0, pose).unwrap();
+        }
+    }
 }

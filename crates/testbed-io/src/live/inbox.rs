@@ -10,6 +10,12 @@ use super::counts::{Counts, Dropped};
 use super::gate::{Bounds, Gate};
 use super::stamps::{StampMap, Stamping};
 
+/// Beyond this an angle is not precise enough to be one.
+const LARGEST_HEADING_RAD: f64 = 1e4;
+/// Notes that wait to be read, and the time between two of a clock that jumps, in s.
+const MOST_NOTES: usize = 32;
+const JUMPS_APART_S: f64 = 5.0;
+
 /// A pose as a source gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
@@ -34,11 +40,13 @@ pub struct Inbox {
 #[derive(Debug)]
 struct State {
     ids: Vec<u32>,
-    stamps: StampMap,
+    /// One for each robot: each may have a clock of its own
+    stamps: Vec<StampMap>,
     gate: Gate,
     newest: Vec<Option<StampedPose>>,
     counts: Counts,
     notes: Vec<String>,
+    jump_told_s: f64,
 }
 
 impl Inbox {
@@ -47,11 +55,12 @@ impl Inbox {
     pub fn new(clock: Clock, ids: &[u32], bounds: Bounds) -> Self {
         let state = State {
             ids: ids.to_vec(),
-            stamps: StampMap::default(),
+            stamps: vec![StampMap::default(); ids.len()],
             gate: Gate::new(bounds, ids.len()),
             newest: vec![None; ids.len()],
             counts: Counts::default(),
             notes: Vec::new(),
+            jump_told_s: f64::NEG_INFINITY,
         };
         Self {
             clock,
@@ -87,9 +96,9 @@ impl Inbox {
         self.lock().counts.add(reason);
     }
 
-    /// Something that the user should know, once: "the server speaks NatNet 3.1".
+    /// Something that the user should know: "the server speaks NatNet 3.1". Of many at once the first are kept.
     pub fn note(&self, text: String) {
-        self.lock().notes.push(text);
+        self.lock().note(text);
     }
 
     /// A pose that arrived at `arrival_s`; what cannot be true is counted and dropped.
@@ -106,17 +115,17 @@ impl Inbox {
         self.lock().newest.iter_mut().map(Option::take).collect()
     }
 
-    /// Ids of robots whose last `needed` poses do not agree, or that were not seen as often.
-    pub(super) fn unsteady(&self, needed: u32) -> Vec<u32> {
-        let state = self.lock();
+    /// From now on every robot is where its last pose said, if the last `needed` poses of each agree. Gives the ids of those of which
+    /// they do not, or that were not seen as often.
+    pub(super) fn start_if_steady(&self, needed: u32) -> Vec<u32> {
+        let mut state = self.lock();
         let robots = state.ids.iter().enumerate();
         let unsteady = robots.filter(|(robot, _)| state.gate.agreeing(*robot) < needed);
-        unsteady.map(|(_, id)| *id).collect()
-    }
-
-    /// From now on a robot is where its last pose said.
-    pub(super) fn start(&self) {
-        self.lock().gate.start();
+        let unsteady: Vec<u32> = unsteady.map(|(_, id)| *id).collect();
+        if unsteady.is_empty() {
+            state.gate.start();
+        }
+        unsteady
     }
 
     /// Counts so far.
@@ -138,6 +147,12 @@ impl Inbox {
 }
 
 impl State {
+    fn note(&mut self, text: String) {
+        if self.notes.len() < MOST_NOTES {
+            self.notes.push(text);
+        }
+    }
+
     fn take(&mut self, arrival_s: f64, seen: Seen) -> Result<(), Dropped> {
         let known = self.ids.iter().position(|id| *id == seen.id);
         let robot = known.ok_or(Dropped::OtherRobot)?;
@@ -145,11 +160,17 @@ impl State {
         if !(seen.pose.is_finite() && stamped) {
             return Err(Dropped::NotFinite);
         }
-        let stamp_s = match self.stamps.at(arrival_s, seen.stamp_s) {
+        if seen.pose.heading_rad.abs() > LARGEST_HEADING_RAD {
+            return Err(Dropped::Malformed);
+        }
+        let stamp_s = match self.stamps[robot].at(arrival_s, seen.stamp_s) {
             Stamping::At(stamp_s) => stamp_s,
             Stamping::Jumped(stamp_s) => {
                 self.counts.clock_jumps += 1;
-                self.notes.push("the tracker's clock jumped".to_owned());
+                if arrival_s >= self.jump_told_s + JUMPS_APART_S {
+                    self.jump_told_s = arrival_s;
+                    self.note("the tracker's clock jumped".to_owned());
+                }
                 stamp_s
             }
             Stamping::Contradicts => return Err(Dropped::Stamp),

@@ -122,7 +122,7 @@ pub(super) fn lines(ids: &[u32], commands: &[Command]) -> Vec<u8> {
 }
 
 /// The lines of a packet that are not blank.
-pub(super) fn lines_of(packet: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn lines_of(packet: &[u8]) -> impl DoubleEndedIterator<Item = &[u8]> {
     let lines = packet.split(|byte| *byte == b'\n');
     lines.filter(|line| !line.iter().all(u8::is_ascii_whitespace))
 }

@@ -6,14 +6,15 @@ use unicycle_cbf::Scenario;
 
 use super::clock::Clock;
 use super::commands::{
-    CommandSink, JsonUdpCommands, JsonWriter, Khepera, Nowhere, RobotariumCommands, RobotariumUdp,
+    CommandSink, DeadMan, JsonUdpCommands, JsonWriter, Khepera, Nowhere, RobotariumCommands,
+    RobotariumUdp,
 };
 use super::gate::{Arena, Bounds};
 use super::inbox::Inbox;
 use super::json_lines::PoseLine;
 use super::natnet;
 use super::poses::{Program, Receiver, Recorded, Running, listen};
-use super::robotarium;
+use super::robotarium::{self, Robotarium};
 use super::spec::{CommandsSpec, LinkSpec, PosesSpec};
 use crate::Error;
 
@@ -29,18 +30,21 @@ const FASTER: f64 = 1.1;
 pub(super) struct Link {
     pub(super) inbox: Inbox,
     pub(super) ids: Vec<u32>,
-    pub(super) sink: Box<dyn CommandSink>,
+    pub(super) commands: DeadMan,
     source: Source,
     fast: bool,
-    stopped: bool,
-    /// Ends after the sink, which it reads from
-    _program: Option<Running>,
+    /// Ends after the commands, which it reads
+    program: Option<Running>,
 }
 
 enum Source {
     Receiver(Receiver),
     /// The connection that the commands go over
     Shared,
+    /// A connection of its own
+    Robotarium {
+        _poses: Robotarium,
+    },
     Recording(Recorded),
 }
 
@@ -48,10 +52,10 @@ impl Link {
     pub(super) fn open(spec: &LinkSpec, scenario: &Scenario) -> Result<Self, Error> {
         spec.check(scenario.starts().len())?;
         let ids = spec.robots.clone();
-        let bounds = bounds(spec, scenario);
-        let inbox = Inbox::new(Clock::start(), &ids, bounds);
-        let mut program = None;
-        // Robots first: a sink that cannot be opened must not leave a tracker's thread behind.
+        let inbox = Inbox::new(Clock::start(), &ids, bounds(spec, scenario));
+        let period_s = scenario.controller().hold_s();
+        let watched = |sink| DeadMan::beside(sink, ids.len(), period_s);
+        // Robots first, so that they are told to stand whatever happens to the tracker.
         let mut sink: Option<Box<dyn CommandSink>> = match &spec.commands {
             CommandsSpec::Khepera(spec) => Some(Box::new(Khepera::open(spec)?)),
             CommandsSpec::RobotariumUdp(spec) => Some(Box::new(RobotariumUdp::open(spec)?)),
@@ -61,45 +65,67 @@ impl Link {
             CommandsSpec::None => Some(Box::new(Nowhere)),
             CommandsSpec::Robotarium | CommandsSpec::Program => None,
         };
+        let mut commands = sink.take().map(watched).transpose()?;
+        let mut program = None;
         let source = match &spec.poses {
             PosesSpec::Natnet(spec) => Source::Receiver(natnet::start(spec, inbox.clone())?),
             PosesSpec::JsonUdp(spec) => Source::Receiver(listen(spec, inbox.clone())?),
             PosesSpec::Recording(spec) => Source::Recording(Recorded::open(spec, ids.len())?),
+            PosesSpec::Robotarium(spec) if commands.is_some() => Source::Robotarium {
+                _poses: robotarium::connect(spec, &[], inbox.clone())?,
+            },
             PosesSpec::Robotarium(spec) => {
                 let broker = robotarium::connect(spec, &ids, inbox.clone())?;
-                sink.get_or_insert_with(|| Box::new(RobotariumCommands::new(broker)));
+                sink = Some(Box::new(RobotariumCommands::new(broker)));
                 Source::Shared
             }
             PosesSpec::Program(spec) => {
                 let started = Program::start(spec, &starts(&ids, scenario), inbox.clone())?;
                 program = started.child;
-                if sink.is_none() {
+                if commands.is_none() {
                     sink = Some(Box::new(JsonWriter::start(started.commands, &ids)?));
                 }
                 Source::Receiver(started.poses)
             }
         };
+        if let Some(sink) = sink {
+            commands = Some(watched(sink)?);
+        }
+        let commands = match commands {
+            Some(commands) => commands,
+            None => watched(Box::new(Nowhere))?,
+        };
         Ok(Self {
             inbox,
             ids,
-            sink: sink.unwrap_or_else(|| Box::new(Nowhere)),
+            commands,
             source,
             fast: spec.is_fast(),
-            stopped: false,
-            _program: program,
+            program,
         })
     }
 
-    /// Tells every robot to stand; gives the indices of those that may not have got it.
-    pub(super) fn stop(&mut self) -> Vec<usize> {
-        self.stopped = true;
-        self.sink.stop(STOP_PATIENCE)
+    /// Tells every robot to stand; gives the ids of those that may not have got it. A program that has ended got nothing.
+    pub(super) fn stop(&mut self) -> Vec<u32> {
+        let mut untold = self.commands.stop(STOP_PATIENCE);
+        if self.program.is_some() && self.has_ended() {
+            untold = (0..self.ids.len()).collect();
+        }
+        untold.iter().map(|robot| self.ids[*robot]).collect()
     }
 
     /// Hands over the poses of a recording that are due by a time.
     pub(super) fn play(&mut self, time_s: f64, start_s: f64) {
         if let Source::Recording(recording) = &mut self.source {
             recording.play(time_s, start_s, &self.ids, &self.inbox);
+        }
+    }
+
+    /// Hands over the poses of a recording until every robot has one.
+    pub(super) fn play_until_seen(&mut self, start_s: f64) {
+        if let Source::Recording(recording) = &self.source {
+            let all_seen_s = recording.all_seen_s(self.ids.len());
+            self.play(all_seen_s, start_s);
         }
     }
 
@@ -117,17 +143,13 @@ impl Link {
         match &self.source {
             Source::Receiver(thread) => thread.is_finished(),
             Source::Recording(recording) => recording.has_ended(),
-            Source::Shared => false,
+            Source::Shared | Source::Robotarium { .. } => false,
         }
     }
 }
 
 impl Drop for Link {
-    /// Also on the way out of a panic.
     fn drop(&mut self) {
-        if !self.stopped {
-            self.stop();
-        }
         self.inbox.end();
     }
 }

@@ -22,8 +22,12 @@ use crate::tick::{Tick, Truth};
 /// How long robots have to appear before the start, and after which time the user is told whom the session waits for.
 const APPEAR: Duration = Duration::from_secs(60);
 const WAITING: Duration = Duration::from_secs(2);
+/// Commands that the predictor has room for, with some to spare.
+const REMEMBERED: f64 = 60.0;
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
+/// The user is told of a robot without a pose for this long, in s.
+const UNSEEN_S: f64 = 1.0;
 /// Poses of two robots that are farther apart than this in time are not compared, in s.
 const BESIDE_S: f64 = 0.3;
 
@@ -35,6 +39,12 @@ impl StopSwitch {
     /// The robots stop within a period.
     pub fn stop(&self) {
         self.0.store(true, Ordering::SeqCst);
+    }
+
+    /// What signal handlers set.
+    #[must_use]
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
     }
 
     /// Whether someone has.
@@ -113,11 +123,7 @@ impl Session<'_> {
         std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().name("control loop".to_owned());
             let thread = thread.spawn_scoped(scope, || self.run_here(stop, update));
-            let thread = thread.map_err(|source| Error::Link {
-                peer: "control loop".to_owned(),
-                problem: source.to_string(),
-                help: "are there too many threads?".to_owned(),
-            })?;
+            let thread = thread.map_err(|source| Error::no_thread("control loop", &source))?;
             thread.join().unwrap_or_else(|panic| resume_unwind(panic))
         })
     }
@@ -127,15 +133,7 @@ impl Session<'_> {
         stop: &StopSwitch,
         mut update: impl FnMut(Update),
     ) -> Result<(Summary, LiveReport), Error> {
-        let hardening = &self.scenario.spec().controller.hardening;
-        if hardening.max_pose_age_s.is_none() {
-            return Err(Error::Link {
-                peer: "controller".to_owned(),
-                problem: "without `max_pose_age_s` it would drive on old poses".to_owned(),
-                help: "set it under [scenario.controller.hardening], or use the hardened preset"
-                    .to_owned(),
-            });
-        }
+        self.check()?;
         let link = Link::open(self.link, self.scenario)?;
         let mut drive = Drive::new(self.scenario, link);
         let ending = if drive.appear(stop, &mut update)? {
@@ -144,6 +142,26 @@ impl Session<'_> {
             Ending::Stopped
         };
         Ok(drive.stopped(ending, &mut update))
+    }
+}
+
+impl Session<'_> {
+    fn check(&self) -> Result<(), Error> {
+        let spec = self.scenario.spec();
+        let age_s = spec.controller.hardening.max_pose_age_s;
+        let problem = match age_s {
+            None => "without `max_pose_age_s` it would drive on old poses".to_owned(),
+            Some(age_s) if age_s * spec.rate_hz > REMEMBERED => {
+                format!("it remembers the last {REMEMBERED} commands, not those of {age_s} s")
+            }
+            Some(_) => return Ok(()),
+        };
+        Err(Error::Link {
+            peer: "controller".to_owned(),
+            problem,
+            help: "set `max_pose_age_s` under [scenario.controller.hardening], 0.3 for example"
+                .to_owned(),
+        })
     }
 }
 
@@ -156,6 +174,8 @@ struct Drive<'a> {
     seen: Vec<Option<StampedPose>>,
     /// The newest of all, as measured
     measured: Vec<Option<StampedPose>>,
+    /// Of which the user was told that they are out of sight
+    unseen: Vec<bool>,
     summary: Summarising,
 }
 
@@ -170,6 +190,7 @@ impl<'a> Drive<'a> {
             convoy: Convoy::new(scenario),
             seen: vec![None; robots],
             measured: vec![None; robots],
+            unseen: vec![false; robots],
             summary: Summarising::new(scenario),
         }
     }
@@ -181,9 +202,7 @@ impl<'a> Drive<'a> {
         update: &mut impl FnMut(Update),
     ) -> Result<bool, Error> {
         let start = Instant::now();
-        // The first step of a recording, however late it was.
-        let period_s = self.scenario.controller().hold_s();
-        self.link.play(period_s, self.pacer.start_s());
+        self.link.play_until_seen(self.pacer.start_s());
         let needed = if self.link.is_recording() {
             1
         } else {
@@ -195,7 +214,7 @@ impl<'a> Drive<'a> {
             if stop.is_on() {
                 return Ok(false);
             }
-            let missing = self.link.inbox.unsteady(needed);
+            let missing = self.link.inbox.start_if_steady(needed);
             if missing.is_empty() {
                 break;
             }
@@ -211,7 +230,6 @@ impl<'a> Drive<'a> {
             }
             std::thread::sleep(Duration::from_millis(5));
         }
-        self.link.inbox.start();
         if !self.link.is_recording() {
             self.pacer.restart();
         }
@@ -247,7 +265,7 @@ impl<'a> Drive<'a> {
             self.take_poses();
             self.decide(step, time_s, late_s, &mut ticks);
             let commands: Vec<Command> = ticks.iter().map(command).collect();
-            self.link.sink.send(&commands);
+            self.link.commands.send(&commands);
             self.pacer.done();
             for tick in &ticks {
                 self.summary.add(tick);
@@ -261,6 +279,7 @@ impl<'a> Drive<'a> {
                 counts,
                 missed,
             });
+            self.tell_unseen(pose_ages_s, update);
             self.pass_notes(update);
             if ticks.iter().any(|tick| tick.seen.is_some()) {
                 last_pose_s = time_s;
@@ -280,10 +299,10 @@ impl<'a> Drive<'a> {
         self.pass_notes(update);
         let report = LiveReport {
             ending,
-            untold: untold.iter().map(|robot| self.link.ids[*robot]).collect(),
+            untold,
             deadlines: self.pacer.deadlines(),
             received: self.link.inbox.counts(),
-            commands: self.link.sink.counts(),
+            commands: self.link.commands.counts(),
         };
         (self.summary.finished(), report)
     }
@@ -294,13 +313,27 @@ impl<'a> Drive<'a> {
         }
     }
 
+    fn tell_unseen(&mut self, pose_ages_s: &[f64], update: &mut impl FnMut(Update)) {
+        for (robot, age_s) in pose_ages_s.iter().enumerate() {
+            let id = self.link.ids[robot];
+            if *age_s > UNSEEN_S && !self.unseen[robot] {
+                self.unseen[robot] = true;
+                update(Update::Note(&format!(
+                    "robot {id} is out of sight: it and those behind it stand; if it was moved by hand, start anew"
+                )));
+            } else if *age_s < BESIDE_S && self.unseen[robot] {
+                self.unseen[robot] = false;
+                update(Update::Note(&format!("robot {id} is seen again")));
+            }
+        }
+    }
+
     /// Stamps become times since the start.
     fn take_poses(&mut self) {
         let arrived = self.link.inbox.newest();
         for (robot, seen) in arrived.into_iter().enumerate() {
             let Some(mut seen) = seen else { continue };
             seen.stamp_s -= self.pacer.start_s();
-            self.convoy.observe(robot, seen);
             self.seen[robot] = Some(seen);
             self.measured[robot] = Some(seen);
         }
@@ -309,6 +342,12 @@ impl<'a> Drive<'a> {
     /// From the back, so that each robot sees the one ahead as it was before this step.
     fn decide(&mut self, step: usize, time_s: f64, late_s: f64, ticks: &mut Vec<Tick>) {
         ticks.clear();
+        // What is observed is what the run log has: of several poses the newest.
+        for (robot, seen) in self.seen.iter().enumerate() {
+            if let Some(seen) = seen {
+                self.convoy.observe(robot, *seen);
+            }
+        }
         for robot in (0..self.convoy.robots()).rev() {
             let start = Instant::now();
             let decision = self.convoy.step(robot, time_s);
@@ -381,7 +420,7 @@ impl<'a> Drive<'a> {
         if without_poses_s > lost_after_s {
             return Some(format!("no pose for {without_poses_s:.1} s"));
         }
-        let silence = self.link.sink.silence()?;
+        let silence = self.link.commands.silence()?;
         let silent = silence.for_s.min(time_s) > lost_after_s;
         silent.then(|| {
             format!(

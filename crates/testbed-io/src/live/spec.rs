@@ -1,5 +1,6 @@
 //! What a link's file says: who the robots are, where poses come from and where commands go.
 
+use std::collections::HashSet;
 use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
@@ -110,15 +111,25 @@ impl LinkSpec {
             ));
         }
         let addresses = match &self.commands {
-            CommandsSpec::Khepera(spec) => Some(spec.addresses.len()),
-            CommandsSpec::RobotariumUdp(spec) => Some(spec.addresses.len()),
+            CommandsSpec::Khepera(spec) => Some(&spec.addresses),
+            CommandsSpec::RobotariumUdp(spec) => Some(&spec.addresses),
             _ => None,
         };
-        if let Some(addresses) = addresses.filter(|addresses| *addresses != robots) {
-            return Err(wrong(
-                format!("{addresses} addresses for {robots} robots"),
-                "name the address of each robot, from the front",
-            ));
+        if let Some(addresses) = addresses {
+            let different: HashSet<&SocketAddr> = addresses.iter().collect();
+            let ipv4 = addresses.iter().filter(|address| address.is_ipv4()).count();
+            if different.len() != robots || addresses.len() != robots {
+                return Err(wrong(
+                    format!("{} addresses for {robots} robots", different.len()),
+                    "name the address of each robot once, from the front",
+                ));
+            }
+            if ipv4 != 0 && ipv4 != robots {
+                return Err(wrong(
+                    "addresses of IPv4 and of IPv6".to_owned(),
+                    "give all robots addresses of one kind",
+                ));
+            }
         }
         match (&self.commands, &self.poses) {
             (CommandsSpec::Robotarium, PosesSpec::Robotarium(_))

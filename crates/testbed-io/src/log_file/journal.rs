@@ -27,10 +27,18 @@ impl Journal {
     ///
     /// # Errors
     ///
-    /// A file that cannot be written.
+    /// A file that is there already, perhaps of a session that was killed, or that cannot be written.
     pub fn create(path: &Path, spec: &RunSpec) -> Result<Self, Error> {
         let failed = |source| Error::Write { source };
-        let mut file = File::create(path).map_err(failed)?;
+        let mut file = File::create_new(path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::AlreadyExists => Error::Content {
+                path: path.to_owned(),
+                place: String::new(),
+                found: "it is there, perhaps of a session that was killed".to_owned(),
+                help: "replay it, move it away, or log to another file".to_owned(),
+            },
+            _ => failed(source),
+        })?;
         csv::write_header(&spec.to_json()?, &columns(&[]), &mut file).map_err(failed)?;
         let (sender, receiver) = sync_channel(WAITING);
         let thread = std::thread::Builder::new().name("run log".to_owned());

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use testbed_io::live::json_lines::{CommandLine, PoseLine};
 use testbed_io::live::poses::{JsonUdpSpec, Pace, ProgramSpec, RecordingSpec};
-use testbed_io::live::{CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, StopSwitch};
+use testbed_io::live::{
+    CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, Session, StopSwitch,
+};
 use testbed_io::log_file::{LogFormat, write};
 use testbed_io::{Disturbances, Run, RunSpec};
 use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Speeds, Testbed};
@@ -184,4 +186,22 @@ fn a_program_is_the_robots() {
     assert_eq!(report.ending, Ending::Finished);
     assert!(report.untold.is_empty() && summary.safe);
     assert!(summary.mean_speed_mps > 0.05, "{}", summary.mean_speed_mps);
+}
+
+#[test]
+fn a_program_that_ends_before_the_start_is_an_error() {
+    let program = PosesSpec::Program(ProgramSpec {
+        command: ["sh", "-c", "echo; exec sleep 0.2"]
+            .map(str::to_owned)
+            .to_vec(),
+        latency_s: 0.0,
+    });
+    let scenario = Scenario::new(scenario(2, 5.0)).unwrap();
+    let link = link(2, program, CommandsSpec::Program);
+    let session = Session {
+        scenario: &scenario,
+        link: &link,
+    };
+    let error = session.run(&StopSwitch::default(), |_| {}).unwrap_err();
+    assert!(error.to_string().contains("1 malformed") || error.to_string().contains("1 packets"));
 }

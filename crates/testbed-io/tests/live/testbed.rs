@@ -78,7 +78,7 @@ impl KheperaTestbed {
     }
 
     /// Runs a session to its end; `each` sees the time of every step.
-    pub fn run(&self, each: impl FnMut(f64)) -> (Vec<Tick>, Summary, LiveReport) {
+    pub fn run(&self, each: impl FnMut(f64) + Send) -> (Vec<Tick>, Summary, LiveReport) {
         run(&self.scenario, &self.link, &StopSwitch::default(), each)
     }
 }
@@ -92,7 +92,7 @@ pub fn run(
     scenario: &Scenario,
     link: &LinkSpec,
     stop: &StopSwitch,
-    mut each: impl FnMut(f64),
+    mut each: impl FnMut(f64) + Send,
 ) -> (Vec<Tick>, Summary, LiveReport) {
     let session = Session { scenario, link };
     let mut all = Vec::new();

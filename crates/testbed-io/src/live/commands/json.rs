@@ -30,10 +30,6 @@ impl JsonUdpCommands {
             ids: ids.to_vec(),
         })
     }
-
-    fn zeros(&self) -> Vec<u8> {
-        zeros(&self.ids)
-    }
 }
 
 fn zeros(ids: &[u32]) -> Vec<u8> {
@@ -48,11 +44,12 @@ impl CommandSink for JsonUdpCommands {
     }
 
     fn stop(&mut self, _patience: Duration) -> Vec<usize> {
-        // Nothing says that zeros arrived: 25 of them in half a second have to do.
-        let zeros = self.zeros();
-        let patience = Duration::from_millis(500);
-        self.peer.insist(&zeros, |_| true, u64::MAX, patience);
-        Vec::new()
+        // Nothing says that zeros arrived.
+        let zeros = zeros(&self.ids);
+        if self.peer.insist_blindly(&zeros).is_empty() {
+            return Vec::new();
+        }
+        (0..self.ids.len()).collect()
     }
 
     fn silence(&self) -> Option<Silence> {
@@ -97,7 +94,7 @@ impl JsonWriter {
         let thread = std::thread::Builder::new()
             .name("json commands".to_owned())
             .spawn(write)
-            .map_err(|source| Error::Write { source })?;
+            .map_err(|source| Error::no_thread("json commands", &source))?;
         Ok(Self {
             ids: ids.to_vec(),
             lines: Some(sender),
@@ -107,6 +104,10 @@ impl JsonWriter {
             counts: CommandCounts::default(),
             last_written: (0, Instant::now()),
         })
+    }
+
+    fn is_written(&self) -> bool {
+        self.written.load(Ordering::Relaxed) == self.handed_over
     }
 
     /// Whether the text was taken, which it is not while the program does not read.
@@ -135,17 +136,12 @@ impl CommandSink for JsonWriter {
     fn stop(&mut self, patience: Duration) -> Vec<usize> {
         let start = Instant::now();
         let zeros = zeros(&self.ids);
-        while start.elapsed() < patience {
-            if self.hand_over(zeros.clone()) {
-                break;
-            }
+        let mut given = self.hand_over(zeros.clone());
+        while start.elapsed() < patience && !(given && self.is_written()) {
             std::thread::sleep(Duration::from_millis(5));
+            given = given || self.hand_over(zeros.clone());
         }
-        let all_written = |this: &Self| this.written.load(Ordering::Relaxed) == this.handed_over;
-        while start.elapsed() < patience && !all_written(self) {
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        if all_written(self) {
+        if given && self.is_written() {
             return Vec::new();
         }
         (0..self.ids.len()).collect()
@@ -167,7 +163,7 @@ impl Drop for JsonWriter {
     fn drop(&mut self) {
         self.lines = None;
         // One that still writes to a program that does not read is left alone.
-        if self.written.load(Ordering::Relaxed) == self.handed_over
+        if self.is_written()
             && let Some(thread) = self.thread.take()
         {
             let _ = thread.join();

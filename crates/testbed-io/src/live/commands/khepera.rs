@@ -14,7 +14,7 @@ use crate::Error;
 
 /// Speeds beyond this number of counts are clipped.
 const MOST_COUNTS: f64 = 48_000.0;
-/// Answers to zeros after which a robot stands: more than were under way from before.
+/// Answers to zeros after which a robot certainly stands.
 const CERTAIN: u64 = 3;
 
 /// Which robots, and the unit of their speeds.
@@ -79,6 +79,9 @@ impl Khepera {
         let is_init = |packet: &[u8]| KheperaReply::parse(packet) == Some(KheperaReply::Init);
         let missing = robots.insist(b"$K3DRV,REQ,INIT", is_init, 1, Duration::from_secs(2));
         if let Some(robot) = missing.first() {
+            // The others may still do what somebody told them before.
+            let zero = request(WheelSpeeds::default(), spec.count_mps);
+            robots.insist(zero.as_bytes(), is_control, 0, Duration::ZERO);
             return Err(Error::Link {
                 peer: format!("Khepera at {}", spec.addresses[*robot]),
                 problem: "no answer to the first request".to_owned(),
@@ -91,15 +94,16 @@ impl Khepera {
             count_mps: spec.count_mps,
         })
     }
+}
 
-    fn request(&self, wheels: WheelSpeeds) -> String {
-        let counts = |speed_mps: f64| {
-            let counts = speed_mps / self.count_mps;
-            counts.round().clamp(-MOST_COUNTS, MOST_COUNTS) as i64
-        };
-        let (right, left) = (counts(wheels.right_mps), counts(wheels.left_mps));
-        format!("$K3DRV,REQ,CTRL,{right},{left}")
-    }
+/// The right wheel comes first.
+fn request(wheels: WheelSpeeds, count_mps: f64) -> String {
+    let counts = |speed_mps: f64| {
+        let counts = speed_mps / count_mps;
+        counts.round().clamp(-MOST_COUNTS, MOST_COUNTS) as i64
+    };
+    let (right, left) = (counts(wheels.right_mps), counts(wheels.left_mps));
+    format!("$K3DRV,REQ,CTRL,{right},{left}")
 }
 
 fn is_control(packet: &[u8]) -> bool {
@@ -110,13 +114,13 @@ impl CommandSink for Khepera {
     fn send(&mut self, commands: &[Command]) {
         self.robots.take_answers(is_control);
         for command in commands {
-            let request = self.request(command.wheels);
+            let request = request(command.wheels, self.count_mps);
             self.robots.send(command.robot, request.as_bytes());
         }
     }
 
     fn stop(&mut self, patience: Duration) -> Vec<usize> {
-        let request = self.request(WheelSpeeds::default());
+        let request = request(WheelSpeeds::default(), self.count_mps);
         let robots = &mut self.robots;
         robots.insist(request.as_bytes(), is_control, CERTAIN, patience)
     }

@@ -1,5 +1,6 @@
 //! From the loop to the robots.
 
+mod dead_man;
 mod json;
 mod khepera;
 mod nowhere;
@@ -12,6 +13,7 @@ use std::time::Duration;
 use serde::Serialize;
 use unicycle_cbf::{Speeds, WheelSpeeds};
 
+pub(super) use dead_man::DeadMan;
 pub use json::{JsonUdpCommands, JsonWriter};
 pub use khepera::{Khepera, KheperaReply, KheperaSpec};
 pub use nowhere::Nowhere;
@@ -70,8 +72,8 @@ pub trait CommandSink: Send {
     /// Sends commands without waiting; what cannot be sent is counted, and is not sent later.
     fn send(&mut self, commands: &[Command]);
 
-    /// Tells every robot to stand, several times, until that is certain or `patience` has passed. Gives the robots of which it is
-    /// not certain.
+    /// Tells every robot to stand, until that is certain or `patience` has passed; where nothing can be certain, often. Gives the
+    /// robots of which it is not certain where it could be.
     fn stop(&mut self, patience: Duration) -> Vec<usize>;
 
     /// The peer that has been silent for the longest time, where the protocol has answers.

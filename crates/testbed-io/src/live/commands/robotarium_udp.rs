@@ -70,11 +70,9 @@ impl CommandSink for RobotariumUdp {
     }
 
     fn stop(&mut self, _patience: Duration) -> Vec<usize> {
-        // Nothing says that zeros arrived: 25 of them in half a second have to do.
-        let patience = Duration::from_millis(500);
+        // Nothing says that zeros arrived.
         let zero = message(Speeds::ZERO);
-        self.robots.insist(&zero, |_| true, u64::MAX, patience);
-        Vec::new()
+        self.robots.insist_blindly(&zero)
     }
 
     fn silence(&self) -> Option<Silence> {

@@ -11,16 +11,21 @@ use crate::Error;
 pub(super) struct UdpRobots {
     socket: UdpSocket,
     addresses: Vec<SocketAddr>,
-    answers: Vec<Answers>,
+    robots: Vec<Robot>,
     counts: CommandCounts,
 }
 
-/// What a robot answered.
+/// What went out to a robot, and what it answered.
 #[derive(Debug, Clone, Copy)]
-struct Answers {
-    count: u64,
-    last: Instant,
+struct Robot {
+    sent: u64,
+    answers: u64,
+    answered: Instant,
 }
+
+/// Between two rounds of a message that has to arrive, and the least number of rounds.
+const ROUND: Duration = Duration::from_millis(20);
+const ROUNDS: u64 = 5;
 
 impl UdpRobots {
     /// `local_port` is where answers come; 0 for any.
@@ -36,20 +41,17 @@ impl UdpRobots {
         };
         let socket = UdpSocket::bind((any, local_port)).map_err(failed)?;
         socket.set_nonblocking(true).map_err(failed)?;
-        let answers = Answers {
-            count: 0,
-            last: Instant::now(),
+        let robot = Robot {
+            sent: 0,
+            answers: 0,
+            answered: Instant::now(),
         };
         Ok(Self {
             socket,
             addresses: addresses.to_vec(),
-            answers: vec![answers; addresses.len()],
+            robots: vec![robot; addresses.len()],
             counts: CommandCounts::default(),
         })
-    }
-
-    pub(super) fn robots(&self) -> usize {
-        self.addresses.len()
     }
 
     pub(super) fn send(&mut self, robot: usize, message: &[u8]) {
@@ -59,6 +61,7 @@ impl UdpRobots {
             .is_some_and(|address| self.socket.send_to(message, address).is_ok());
         if sent {
             self.counts.sent += 1;
+            self.robots[robot].sent += 1;
         } else {
             self.counts.failed += 1;
         }
@@ -79,10 +82,8 @@ impl UdpRobots {
             match (robot, buffer.get(..bytes)) {
                 (Some(robot), Some(packet)) if is_answer(packet) => {
                     self.counts.acknowledged += 1;
-                    self.answers[robot] = Answers {
-                        count: self.answers[robot].count + 1,
-                        last: Instant::now(),
-                    };
+                    self.robots[robot].answers += 1;
+                    self.robots[robot].answered = Instant::now();
                 }
                 (Some(_), _) => self.counts.malformed += 1,
                 (None, _) => self.counts.stranger += 1,
@@ -90,8 +91,8 @@ impl UdpRobots {
         }
     }
 
-    /// Sends `message` to every robot each 20 ms, at least five times, until each has answered `answers` times or patience ends.
-    /// Gives the robots that have not.
+    /// Sends a message to every robot each 20 ms, at least five times, until each has answered as often as asked after these, or
+    /// patience ends. Gives the robots that have not, and those to which it could not be sent as often.
     pub(super) fn insist(
         &mut self,
         message: &[u8],
@@ -100,30 +101,55 @@ impl UdpRobots {
         patience: Duration,
     ) -> Vec<usize> {
         let start = Instant::now();
-        self.take_answers(is_answer);
-        let before: Vec<u64> = self.answers.iter().map(|a| a.count).collect();
-        let mut round = 0;
-        loop {
-            for robot in 0..self.robots() {
+        let first = self.robots.clone();
+        let mut settled = first.clone();
+        for round in 1.. {
+            for robot in 0..self.addresses.len() {
                 self.send(robot, message);
             }
-            std::thread::sleep(Duration::from_millis(20));
-            round += 1;
+            std::thread::sleep(ROUND);
             self.take_answers(is_answer);
-            let missing = |robot: &usize| self.answers[*robot].count < before[*robot] + answers;
-            let missing: Vec<usize> = (0..self.robots()).filter(missing).collect();
-            if round >= 5 && (missing.is_empty() || start.elapsed() >= patience) {
+            if round == ROUNDS {
+                // Answers until now may be to what was sent before.
+                settled.clone_from(&self.robots);
+            }
+            if round < ROUNDS {
+                continue;
+            }
+            let robots = self.robots.iter().zip(first.iter().zip(&settled));
+            let certain = |robot: &Robot, first: &Robot, settled: &Robot| {
+                robot.sent >= first.sent + ROUNDS && robot.answers >= settled.answers + answers
+            };
+            let missing: Vec<usize> = robots
+                .enumerate()
+                .filter(|(_, (robot, (first, settled)))| !certain(robot, first, settled))
+                .map(|(index, _)| index)
+                .collect();
+            if missing.is_empty() || start.elapsed() >= patience {
                 return missing;
             }
         }
+        Vec::new()
+    }
+
+    /// The same where robots do not answer: for half a second. Gives the robots to which nothing could be sent.
+    pub(super) fn insist_blindly(&mut self, message: &[u8]) -> Vec<usize> {
+        let before = self.robots.clone();
+        let patience = Duration::from_millis(500);
+        self.insist(message, |_| true, u64::MAX / 2, patience);
+        let robots = self.robots.iter().zip(&before).enumerate();
+        robots
+            .filter(|(_, (robot, before))| robot.sent < before.sent + ROUNDS)
+            .map(|(index, _)| index)
+            .collect()
     }
 
     pub(super) fn silence(&self) -> Option<Silence> {
-        let robots = self.addresses.iter().zip(&self.answers);
-        let (address, answers) = robots.min_by_key(|(_, answers)| answers.last)?;
+        let robots = self.addresses.iter().zip(&self.robots);
+        let (address, robot) = robots.min_by_key(|(_, robot)| robot.answered)?;
         Some(Silence {
             peer: format!("the robot at {address}"),
-            for_s: answers.last.elapsed().as_secs_f64(),
+            for_s: robot.answered.elapsed().as_secs_f64(),
         })
     }
 

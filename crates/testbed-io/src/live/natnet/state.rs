@@ -14,7 +14,7 @@ const KEEP_ALIVE_S: f64 = 1.0;
 pub(super) const PUZZLING: u32 = 5;
 /// A frame without a stamp whose number is by less than this behind the last is late.
 const LATE_FRAMES: u32 = 100;
-/// An exposure is not longer ago than this, in s.
+/// An exposure longer ago counts as this long, in s: too old to be driven on.
 const OLDEST_EXPOSURE_S: f64 = 1.0;
 
 /// Times are those of the inbox, in s.
@@ -73,8 +73,8 @@ impl State {
             let seconds = |ticks: u64| ticks as f64 / channel.clock_hz as f64;
             let since = stamps.transmit.checked_sub(stamps.mid_exposure);
             let age_s = since.filter(|_| stamps.mid_exposure > 0).map(seconds);
-            let age_s = age_s.filter(|age_s| *age_s <= OLDEST_EXPOSURE_S);
-            return (Some(seconds(stamps.transmit)), age_s.unwrap_or_default());
+            let age_s = age_s.unwrap_or_default().min(OLDEST_EXPOSURE_S);
+            return (Some(seconds(stamps.transmit)), age_s);
         }
         // In single precision, frames are no longer told apart after some hours.
         let precise = version >= Version::DOUBLE_TIMESTAMP;

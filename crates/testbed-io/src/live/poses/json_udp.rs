@@ -1,5 +1,6 @@
 //! Poses as JSON lines in datagrams.
 
+use std::io::ErrorKind;
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::time::Duration;
 
@@ -24,6 +25,9 @@ pub struct JsonUdpSpec {
     pub latency_s: f64,
 }
 
+/// An error that stays must not make the thread spin.
+const AFTER_ERROR: Duration = Duration::from_millis(10);
+
 pub(in crate::live) fn listen(spec: &JsonUdpSpec, inbox: Inbox) -> Result<Receiver, Error> {
     let failed = |source: std::io::Error| Error::Link {
         peer: format!("UDP port {}", spec.listen),
@@ -34,20 +38,27 @@ pub(in crate::live) fn listen(spec: &JsonUdpSpec, inbox: Inbox) -> Result<Receiv
     let socket = UdpSocket::bind(spec.listen).map_err(failed)?;
     let patience = Some(Duration::from_millis(50));
     socket.set_read_timeout(patience).map_err(failed)?;
-    let (sender, latency_s) = (spec.sender, spec.latency_s);
+    let (sender, latency_s) = (spec.sender.to_canonical(), spec.latency_s);
     receiver("json poses", inbox, move |inbox| {
         let mut buffer = vec![0; 65_536];
         while !inbox.has_ended() {
-            let Ok((bytes, from)) = socket.recv_from(&mut buffer) else {
-                continue;
+            let (bytes, from) = match socket.recv_from(&mut buffer) {
+                Ok(received) => received,
+                Err(error) => {
+                    if !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) {
+                        std::thread::sleep(AFTER_ERROR);
+                    }
+                    continue;
+                }
             };
             let arrival_s = inbox.clock().now_s();
             inbox.packet();
-            if from.ip() != sender {
+            if from.ip().to_canonical() != sender {
                 inbox.dropped(Dropped::Stranger);
                 continue;
             }
-            for line in lines_of(buffer.get(..bytes).unwrap_or_default()) {
+            // From the back: without stamps the last line of a robot is its newest.
+            for line in lines_of(buffer.get(..bytes).unwrap_or_default()).rev() {
                 take(inbox, arrival_s, line, latency_s);
             }
         }

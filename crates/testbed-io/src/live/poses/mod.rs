@@ -31,9 +31,5 @@ pub(super) fn receiver(
         hurry();
         run(&inbox)
     });
-    spawned.map_err(|source| Error::Link {
-        peer: name.to_owned(),
-        problem: source.to_string(),
-        help: "are there too many threads?".to_owned(),
-    })
+    spawned.map_err(|source| Error::no_thread(name, &source))
 }

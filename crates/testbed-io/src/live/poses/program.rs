@@ -26,7 +26,7 @@ pub struct ProgramSpec {
     pub latency_s: f64,
 }
 
-/// How long a program has to end after its input has, in s.
+/// How long a program has to end after its input has.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// The program and what it reads and writes.
@@ -59,13 +59,17 @@ impl Program {
             help: "check `command` in the settings of the link".to_owned(),
         };
         let starts = serde_json::to_string(starts).unwrap_or_default();
-        let mut child = Command::new(program)
+        let mut command = Command::new(program);
+        command
             .args(arguments)
             .env("DRIVEKIT_STARTS", starts)
             .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .map_err(|source| failed(source.to_string()))?;
+            .stdout(Stdio::piped());
+        // Ctrl-C is for this program, which then tells the robots to stand: theirs must live to hear it.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let child = command.spawn();
+        let mut child = child.map_err(|source| failed(source.to_string()))?;
         let pipes = child.stdin.take().zip(child.stdout.take());
         let child = Some(Running(child));
         let (stdin, stdout) = pipes.ok_or_else(|| failed("no pipes".to_owned()))?;

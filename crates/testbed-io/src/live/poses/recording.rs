@@ -75,6 +75,16 @@ impl Recorded {
         }
     }
 
+    /// Time at which every robot had been seen, or the end.
+    pub(in crate::live) fn all_seen_s(&self, robots: usize) -> f64 {
+        let first_s = |robot: usize| {
+            let mut own = self.poses.iter().filter(|(_, of, _)| *of == robot);
+            own.next()
+                .map_or(f64::INFINITY, |(arrival_s, ..)| *arrival_s)
+        };
+        (0..robots).map(first_s).fold(0.0, f64::max)
+    }
+
     pub(in crate::live) fn has_ended(&self) -> bool {
         self.next >= self.poses.len()
     }
