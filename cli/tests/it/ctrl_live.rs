@@ -198,11 +198,64 @@ fn a_killed_session_leaves_a_log_up_to_its_last_step() {
     assert!(decisions.abs_diff(told) <= 2, "{decisions} of {told}");
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_at_a_terminal_leaves_the_robots_program_time_to_hear_zeros() {
+    use std::os::unix::process::CommandExt as _;
+    if Command::new("python3").arg("--version").output().is_err() {
+        eprintln!("skipped: no python3");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../bridges/robots.py");
+    let link = format!(
+        "robots = [1, 2]\n[poses]\nkind = \"program\"\ncommand = [\"sh\", \"-c\", \"tee told.txt | python3 {robots}\"]\n\
+         [commands]\nkind = \"program\"\n"
+    );
+    std::fs::write(folder.path().join("lab.toml"), link).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
+        .current_dir(folder.path())
+        .args([
+            "ctrl",
+            "run",
+            "--live",
+            "lab.toml",
+            "--testbed",
+            "robotarium",
+        ])
+        .args(["--scenario", "track"])
+        .process_group(0)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let told = || std::fs::read_to_string(folder.path().join("told.txt")).unwrap_or_default();
+    let start = Instant::now();
+    while told().lines().count() < 200 {
+        assert!(start.elapsed() < Duration::from_secs(30));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let group = format!("-{}", child.id());
+    let sent = Command::new("kill").args(["-INT", "--", &group]).status();
+    assert!(sent.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let last: Vec<CommandLine> = told()
+        .lines()
+        .rev()
+        .take(2)
+        .map(|line| CommandLine::parse(line.as_bytes()).unwrap())
+        .collect();
+    assert!(
+        last.iter().all(|told| told.v == 0.0 && told.w == 0.0),
+        "{last:?}"
+    );
+}
+
 #[test]
 fn the_view_stops_the_robots_for_those_who_may() {
     let folder = tempfile::tempdir().unwrap();
     let robots = Robots::start();
-    let (mut child, stderr) = session(folder.path(), &robots, &["--view", "--duration", "60"]);
+    let (mut child, stderr) = session(folder.path(), &robots, &["--view", "--duration", "600"]);
     let line = stderr
         .lines()
         .map_while(Result::ok)

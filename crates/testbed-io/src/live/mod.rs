@@ -3,6 +3,7 @@
 mod clock;
 pub mod commands;
 mod counts;
+mod drive;
 mod gate;
 mod hurry;
 mod inbox;
