@@ -127,10 +127,9 @@ pub(crate) struct LiveSession<'a> {
 }
 
 impl LiveSession<'_> {
-    /// Runs it; ticks are kept if asked for.
+    /// Runs it, and gives all its ticks.
     pub(crate) fn run(
         &self,
-        keep: bool,
         context: &Context,
     ) -> anyhow::Result<(Vec<Tick>, Summary, LiveReport)> {
         let stop = StopSwitch::default();
@@ -143,10 +142,8 @@ impl LiveSession<'_> {
             .map(|log| Journal::create(&partial(log), self.spec));
         let journal = journal.transpose()?;
         let notes = Notes::start(context)?;
-        let mut kept = Vec::new();
-        if keep {
-            kept.reserve_exact(scenario.steps() * link.robots.len());
-        }
+        // No growing in the loop.
+        let mut kept = Vec::with_capacity(scenario.steps() * link.robots.len());
         let ended = self.session.run(&stop, |update| match update {
             Update::Note(text) => {
                 notes.tell(text);
@@ -164,9 +161,7 @@ impl LiveSession<'_> {
                     stop.stop();
                     notes.tell("the run log takes no more; stopping");
                 }
-                if keep {
-                    kept.extend_from_slice(ticks);
-                }
+                kept.extend_from_slice(ticks);
                 if let Some(view) = &view {
                     let robots = robots(ticks, pose_ages_s, &link.robots);
                     view.show(Snapshot {

@@ -147,10 +147,9 @@ impl RunArgs {
                 (run, summary, None)
             }
             Some(link) => {
-                let keep = self.output.is_some() || self.report.is_some();
                 let log = self.output.as_deref();
                 let session = self.live.session(spec, link, scenario, log);
-                let (ticks, summary, live) = session.run(keep, context)?;
+                let (ticks, summary, live) = session.run(context)?;
                 let spec = spec.clone();
                 (Run { spec, ticks }, summary, Some(live))
             }
