@@ -1,4 +1,5 @@
-//! Robot testbeds: simulated robots under disturbances, campaigns of runs, run logs and their replay, recorded poses.
+//! Robot testbeds: simulated robots under disturbances, campaigns of runs, run logs and their replay, recorded poses, and real robots
+//! in real time ([`live`]).
 //!
 //! ```text
 //! RunSpec ─simulate→ Plant ─Link→ poses ─Convoy→ Decisions ─→ Plant …     every tick into Run ─to_table→ LogTable ─write→ file

@@ -104,7 +104,7 @@ impl<'a> Drive<'a> {
         stop: &StopSwitch,
         update: &mut impl FnMut(Update),
     ) -> Ending {
-        if !hurry() {
+        if !self.link.is_fast() && !hurry() {
             update(Update::Note(
                 "no permission for real-time priority: on a busy computer steps may be late; see the page on testbeds",
             ));

@@ -1,4 +1,26 @@
 //! Robots in real time: what trackers and robots speak, and the loop between them.
+//!
+//! ```text
+//! thread of a tracker ─decode→ Seen ─Inbox { StampMap, Gate }→ newest StampedPose
+//! Pacer ─deadline→ Drive ─Convoy→ Decisions ─DeadMan { CommandSink }→ robots       every step as an Update to the caller
+//! ```
+//!
+//! A [`LinkSpec`] says who the robots are, where poses come from and where commands go; a [`Session`] runs a scenario on it. On every
+//! way out robots are told to stand, and those that may not have heard it are named.
+//!
+//! ```
+//! use testbed_io::live::LinkSpec;
+//!
+//! let link: LinkSpec = toml::from_str(
+//!     r#"
+//!     robots = [1, 2]
+//!     poses = { kind = "natnet", server = "192.168.0.2" }
+//!     commands = { kind = "khepera", addresses = ["192.168.0.11:4555", "192.168.0.12:4555"] }
+//!     "#,
+//! )?;
+//! assert_eq!(link.lost_after_s, 5.0);
+//! # Ok::<(), toml::de::Error>(())
+//! ```
 
 mod clock;
 pub mod commands;
