@@ -12,7 +12,7 @@ mod snapshot;
 mod tests;
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Sender};
 use std::thread::{self, JoinHandle};
@@ -27,20 +27,6 @@ use events::{Message, Slot};
 use server::{Session, serve};
 
 pub(crate) use snapshot::{RobotNow, Snapshot};
-
-/// Where the page is served.
-pub(crate) struct ViewOptions {
-    pub(crate) address: SocketAddr,
-}
-
-impl Default for ViewOptions {
-    /// A free port for this computer alone.
-    fn default() -> Self {
-        Self {
-            address: (Ipv4Addr::LOCALHOST, 0).into(),
-        }
-    }
-}
 
 /// The page of a session, served until this is dropped.
 pub(crate) struct View {
@@ -59,18 +45,18 @@ impl View {
     /// # Errors
     /// When the address cannot be listened on, or the system gives no random numbers or no thread.
     pub(crate) fn start(
-        options: &ViewOptions,
+        address: SocketAddr,
         lane: Value,
         title: String,
         stop: Box<dyn Fn() + Send + Sync>,
     ) -> anyhow::Result<Self> {
-        let failed = || format!("cannot serve the view on {}", options.address);
+        let failed = || format!("cannot serve the view on {address}");
         let runtime = Builder::new_current_thread()
             .enable_io()
             .enable_time()
             .build()
             .with_context(failed)?;
-        let listener = listen(options.address, &runtime).with_context(failed)?;
+        let listener = listen(address, &runtime).with_context(failed)?;
         let address = listener.local_addr().with_context(failed)?;
         let access = Access::new(address)?;
         let (watch_url, control_url) = access.urls(address);
@@ -98,13 +84,13 @@ impl View {
     }
 
     /// The address of the page without a stop.
-    pub(crate) fn watch_url(&self) -> String {
-        self.watch_url.clone()
+    pub(crate) fn watch_url(&self) -> &str {
+        &self.watch_url
     }
 
     /// The address of the page with the stop: who has it may stop the robots.
-    pub(crate) fn control_url(&self) -> String {
-        self.control_url.clone()
+    pub(crate) fn control_url(&self) -> &str {
+        &self.control_url
     }
 
     /// Leaves a snapshot for the pages in place of the one before. It never waits: while the server takes the one before,

@@ -121,27 +121,29 @@ fn move_robots(
     }
 }
 
+/// `ctrl run` on a link, in a folder.
+fn live(folder: &Path, link: &str) -> Command {
+    std::fs::write(folder.join("lab.toml"), link).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_drivekit"));
+    command
+        .current_dir(folder)
+        .args(["ctrl", "run", "--live", "lab.toml"])
+        .args(["--testbed", "robotarium", "--scenario", "track"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
 /// A session that has told its robots something, and what it says on stderr.
 fn session(
     folder: &Path,
     robots: &Robots,
     flags: &[&str],
 ) -> (Child, BufReader<impl Read + use<>>) {
-    std::fs::write(folder.join("lab.toml"), &robots.link).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
-        .current_dir(folder)
-        .args([
-            "ctrl",
-            "run",
-            "--live",
-            "lab.toml",
-            "--testbed",
-            "robotarium",
-        ])
-        .args(["--scenario", "track", "-o", "run.mcap"])
+    let mut command = live(folder, &robots.link);
+    let mut child = command
+        .args(["-o", "run.mcap"])
         .args(flags)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let stderr = BufReader::new(child.stderr.take().unwrap());
@@ -212,23 +214,8 @@ fn ctrl_c_at_a_terminal_leaves_the_robots_program_time_to_hear_zeros() {
         "robots = [1, 2]\n[poses]\nkind = \"program\"\ncommand = [\"sh\", \"-c\", \"tee told.txt | python3 {robots}\"]\n\
          [commands]\nkind = \"program\"\n"
     );
-    std::fs::write(folder.path().join("lab.toml"), link).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
-        .current_dir(folder.path())
-        .args([
-            "ctrl",
-            "run",
-            "--live",
-            "lab.toml",
-            "--testbed",
-            "robotarium",
-        ])
-        .args(["--scenario", "track"])
-        .process_group(0)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut command = live(folder.path(), &link);
+    let mut child = command.process_group(0).spawn().unwrap();
     let told = || std::fs::read_to_string(folder.path().join("told.txt")).unwrap_or_default();
     let start = Instant::now();
     while told().lines().count() < 200 {
@@ -318,14 +305,8 @@ fn whom_a_session_waits_for_is_said_and_it_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let show = ["ctrl", "run", "--show-link", "json-udp"];
     let link = drivekit(&show).ok().stdout.replace(":5005", ":0");
-    std::fs::write(folder.path().join("lab.toml"), link).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
-        .current_dir(folder.path())
-        .args(["ctrl", "run", "--live", "lab.toml", "-o", "run.csv"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut command = live(folder.path(), &link);
+    let mut child = command.args(["-o", "run.csv"]).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     stderr.read_line(&mut line).unwrap();

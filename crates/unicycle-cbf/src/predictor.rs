@@ -2,7 +2,6 @@
 
 use crate::pose::{Pose, Speeds};
 
-/// Commands that are remembered: at 50 Hz those of 1.28 s, longer than any pose may be old.
 const CAPACITY: usize = 64;
 
 /// A pose with the time at which it was seen.
@@ -51,6 +50,9 @@ impl Default for Predictor {
 }
 
 impl Predictor {
+    /// Commands that are remembered: at 50 Hz those of 1.28 s. A pose that is older than all of them is not carried forward rightly.
+    pub const REMEMBERED: usize = CAPACITY;
+
     /// Remembers what the robot does from `time_s` on; times must not decrease.
     pub fn sent(&mut self, time_s: f64, speeds: Speeds) {
         self.commands[self.sent % CAPACITY] = (time_s, speeds);

@@ -18,7 +18,7 @@ use unicycle_cbf::Scenario;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
-use crate::view::{RobotNow, Snapshot, View, ViewOptions};
+use crate::view::{RobotNow, Snapshot, View};
 
 /// Watchdog of controllers that have none, in s.
 const MAX_POSE_AGE_S: f64 = 0.3;
@@ -337,7 +337,7 @@ fn view(
     let title = format!("{} on {}", spec.name, spec.testbed);
     let stop = stop.clone();
     let stop = Box::new(move || stop.stop());
-    let view = View::start(&ViewOptions { address }, lane, title, stop)?;
+    let view = View::start(address, lane, title, stop)?;
     output::note(context, &format!("view: {}", view.control_url()));
     output::note(context, &format!("to watch only: {}", view.watch_url()));
     Ok(view)

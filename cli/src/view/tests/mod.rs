@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::{View, ViewOptions};
+use super::View;
 
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -21,16 +21,16 @@ struct Served {
     port: u16,
 }
 
-fn served(options: &ViewOptions) -> Served {
+fn served(address: SocketAddr) -> Served {
     let stops = Arc::new(AtomicU32::new(0));
     let counted = Arc::clone(&stops);
     let stop = Box::new(move || {
         counted.fetch_add(1, Ordering::SeqCst);
     });
     let lane = json!({ "half_width_m": 0.07 });
-    let view = View::start(options, lane, "A <title>".to_owned(), stop).unwrap();
-    let url = view.control_url();
-    let (address, _) = url
+    let view = View::start(address, lane, "A <title>".to_owned(), stop).unwrap();
+    let (address, _) = view
+        .control_url()
         .strip_prefix("http://")
         .unwrap()
         .split_once('/')
@@ -41,16 +41,16 @@ fn served(options: &ViewOptions) -> Served {
 
 impl Served {
     fn local() -> Self {
-        served(&ViewOptions::default())
+        served((Ipv4Addr::LOCALHOST, 0).into())
     }
 
     fn everywhere() -> Self {
         let address = (Ipv4Addr::UNSPECIFIED, 0).into();
-        served(&ViewOptions { address })
+        served(address)
     }
 
     fn control(&self) -> String {
-        token(&self.view.control_url())
+        token(self.view.control_url())
     }
 
     fn connect(&self) -> TcpStream {

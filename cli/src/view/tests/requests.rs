@@ -112,7 +112,7 @@ fn elsewhere_reading_needs_a_token() {
     assert_eq!(served.ask("GET /?token=", &[]).0, 401);
     assert_eq!(served.ask("GET /events", &[]).0, 401);
     assert_eq!(served.ask("POST /stop", &[]).0, 403);
-    let watch = token(&served.view.watch_url());
+    let watch = token(served.view.watch_url());
     for token in [&watch, &served.control()] {
         assert_eq!(served.ask(&format!("GET /?token={token}"), &[]).0, 200);
     }

@@ -1,5 +1,6 @@
 //! A link that is open: a tracker that sends poses, and robots that take commands.
 
+use std::io::Write;
 use std::time::Duration;
 
 use unicycle_cbf::Scenario;
@@ -33,8 +34,8 @@ pub(super) struct Link {
     pub(super) commands: DeadMan,
     source: Source,
     fast: bool,
-    /// Ends after the commands, which it reads
-    program: Option<Running>,
+    /// Whether commands go to the program that gives the poses
+    to_program: bool,
 }
 
 enum Source {
@@ -44,6 +45,12 @@ enum Source {
     /// A connection of its own
     Robotarium {
         _poses: Robotarium,
+    },
+    /// With its input, which it takes as the session's end when it ends
+    Program {
+        poses: Receiver,
+        _input: Option<Box<dyn Write + Send>>,
+        _running: Option<Running>,
     },
     Recording(Recorded),
 }
@@ -56,44 +63,12 @@ impl Link {
         let period_s = scenario.controller().hold_s();
         let watched = |sink| DeadMan::beside(sink, ids.len(), period_s);
         // Robots first, so that they are told to stand whatever happens to the tracker.
-        let mut sink: Option<Box<dyn CommandSink>> = match &spec.commands {
-            CommandsSpec::Khepera(spec) => Some(Box::new(Khepera::open(spec)?)),
-            CommandsSpec::RobotariumUdp(spec) => Some(Box::new(RobotariumUdp::open(spec)?)),
-            CommandsSpec::JsonUdp(spec) => {
-                Some(Box::new(JsonUdpCommands::open(spec.address, &ids)?))
-            }
-            CommandsSpec::None => Some(Box::new(Nowhere)),
-            CommandsSpec::Robotarium | CommandsSpec::Program => None,
-        };
-        let mut commands = sink.take().map(watched).transpose()?;
-        let mut program = None;
-        let source = match &spec.poses {
-            PosesSpec::Natnet(spec) => Source::Receiver(natnet::start(spec, inbox.clone())?),
-            PosesSpec::JsonUdp(spec) => Source::Receiver(listen(spec, inbox.clone())?),
-            PosesSpec::Recording(spec) => Source::Recording(Recorded::open(spec, ids.len())?),
-            PosesSpec::Robotarium(spec) if commands.is_some() => Source::Robotarium {
-                _poses: robotarium::connect(spec, &[], inbox.clone())?,
-            },
-            PosesSpec::Robotarium(spec) => {
-                let broker = robotarium::connect(spec, &ids, inbox.clone())?;
-                sink = Some(Box::new(RobotariumCommands::new(broker)));
-                Source::Shared
-            }
-            PosesSpec::Program(spec) => {
-                let started = Program::start(spec, &starts(&ids, scenario), inbox.clone())?;
-                program = started.child;
-                if commands.is_none() {
-                    sink = Some(Box::new(JsonWriter::start(started.commands, &ids)?));
-                }
-                Source::Receiver(started.poses)
-            }
-        };
-        if let Some(sink) = sink {
-            commands = Some(watched(sink)?);
-        }
+        let commands = sink(&spec.commands, &ids)?.map(watched).transpose()?;
+        let others = commands.is_some();
+        let (source, own) = source(&spec.poses, others, &ids, scenario, &inbox)?;
         let commands = match commands {
             Some(commands) => commands,
-            None => watched(Box::new(Nowhere))?,
+            None => watched(own.unwrap_or_else(|| Box::new(Nowhere)))?,
         };
         Ok(Self {
             inbox,
@@ -101,15 +76,15 @@ impl Link {
             commands,
             source,
             fast: spec.is_fast(),
-            program,
+            to_program: spec.commands == CommandsSpec::Program,
         })
     }
 
     /// Tells every robot to stand; gives the ids of those that may not have got it. A program that has ended got nothing.
     pub(super) fn stop(&mut self) -> Vec<u32> {
-        let mut untold = self.commands.stop(STOP_PATIENCE);
-        if self.program.is_some() && self.has_ended() {
-            untold = (0..self.ids.len()).collect();
+        let untold = self.commands.stop(STOP_PATIENCE);
+        if self.to_program && self.has_ended() {
+            return self.ids.clone();
         }
         untold.iter().map(|robot| self.ids[*robot]).collect()
     }
@@ -141,7 +116,9 @@ impl Link {
     /// Whether no pose can come any more.
     pub(super) fn has_ended(&self) -> bool {
         match &self.source {
-            Source::Receiver(thread) => thread.is_finished(),
+            Source::Receiver(thread) | Source::Program { poses: thread, .. } => {
+                thread.is_finished()
+            }
             Source::Recording(recording) => recording.has_ended(),
             Source::Shared | Source::Robotarium { .. } => false,
         }
@@ -152,6 +129,62 @@ impl Drop for Link {
     fn drop(&mut self) {
         self.inbox.end();
     }
+}
+
+type Sink = Box<dyn CommandSink>;
+
+/// None where commands go to the poses' side.
+fn sink(spec: &CommandsSpec, ids: &[u32]) -> Result<Option<Sink>, Error> {
+    Ok(Some(match spec {
+        CommandsSpec::Khepera(spec) => Box::new(Khepera::open(spec)?),
+        CommandsSpec::RobotariumUdp(spec) => Box::new(RobotariumUdp::open(spec)?),
+        CommandsSpec::JsonUdp(spec) => Box::new(JsonUdpCommands::open(spec.address, ids)?),
+        CommandsSpec::None => Box::new(Nowhere),
+        CommandsSpec::Robotarium | CommandsSpec::Program => return Ok(None),
+    }))
+}
+
+/// With a sink on the same connection, unless commands go to others.
+fn source(
+    spec: &PosesSpec,
+    others: bool,
+    ids: &[u32],
+    scenario: &Scenario,
+    inbox: &Inbox,
+) -> Result<(Source, Option<Sink>), Error> {
+    let inbox = inbox.clone();
+    Ok(match spec {
+        PosesSpec::Natnet(spec) => (Source::Receiver(natnet::start(spec, inbox)?), None),
+        PosesSpec::JsonUdp(spec) => (Source::Receiver(listen(spec, inbox)?), None),
+        PosesSpec::Recording(spec) => {
+            let recorded = Recorded::open(spec, ids.len())?;
+            (Source::Recording(recorded), None)
+        }
+        PosesSpec::Robotarium(spec) if others => {
+            let _poses = robotarium::connect(spec, &[], inbox)?;
+            (Source::Robotarium { _poses }, None)
+        }
+        PosesSpec::Robotarium(spec) => {
+            let broker = robotarium::connect(spec, ids, inbox)?;
+            let sink = Box::new(RobotariumCommands::new(broker));
+            (Source::Shared, Some(sink))
+        }
+        PosesSpec::Program(spec) => {
+            let started = Program::start(spec, &starts(ids, scenario), inbox)?;
+            let (sink, input): (Option<Sink>, _) = if others {
+                (None, Some(started.commands))
+            } else {
+                let writer = JsonWriter::start(started.commands, ids)?;
+                (Some(Box::new(writer)), None)
+            };
+            let source = Source::Program {
+                poses: started.poses,
+                _input: input,
+                _running: started.child,
+            };
+            (source, sink)
+        }
+    })
 }
 
 fn starts(ids: &[u32], scenario: &Scenario) -> Vec<PoseLine> {

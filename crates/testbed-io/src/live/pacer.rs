@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::clock::Clock;
+use crate::timing::at_share;
 
 /// Wakes the loop at whole multiples of a period.
 #[derive(Debug, Clone)]
@@ -89,10 +90,7 @@ impl Pacer {
     pub(super) fn deadlines(&self) -> Deadlines {
         let mut late_s = self.late_s.clone();
         late_s.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let index = (share * late_s.len().saturating_sub(1) as f64).round() as usize;
-            late_s.get(index).map_or(f64::NAN, |late_s| late_s * 1e6)
-        };
+        let at = |share: f64| 1e6 * at_share(&late_s, share);
         Deadlines {
             missed: self.missed,
             late_median_us: at(0.5),

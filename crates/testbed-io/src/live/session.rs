@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
-use unicycle_cbf::Scenario;
+use unicycle_cbf::{Predictor, Scenario};
 
 use super::commands::CommandCounts;
 use super::counts::Counts;
@@ -17,8 +17,8 @@ use crate::error::Error;
 use crate::summary::Summary;
 use crate::tick::Tick;
 
-/// Commands that the predictor has room for, with some to spare.
-const REMEMBERED: f64 = 60.0;
+/// Steps that the predictor has room for, with some to spare for those of a late loop.
+const REMEMBERED: f64 = Predictor::REMEMBERED as f64 - 4.0;
 
 /// Ends a session from another thread: a signal, a button.
 #[derive(Debug, Clone, Default)]
@@ -140,9 +140,10 @@ impl Session<'_> {
         let age_s = spec.controller.hardening.max_pose_age_s;
         let problem = match age_s {
             None => "without `max_pose_age_s` it would drive on old poses".to_owned(),
-            Some(age_s) if age_s * spec.rate_hz > REMEMBERED => {
-                format!("it remembers the last {REMEMBERED} commands, not those of {age_s} s")
-            }
+            Some(age_s) if age_s * spec.rate_hz > REMEMBERED => format!(
+                "it remembers the last {} commands, not those of {age_s} s",
+                Predictor::REMEMBERED
+            ),
             Some(_) => return Ok(()),
         };
         Err(Error::Link {

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -17,7 +17,6 @@ const WAITING: usize = 1000;
 /// A CSV run log under way. A thread writes each step as a whole, so that a slow disk does not hold up the loop.
 #[derive(Debug)]
 pub struct Journal {
-    path: PathBuf,
     steps: Option<SyncSender<Vec<Tick>>>,
     thread: Option<JoinHandle<std::io::Result<()>>>,
 }
@@ -44,7 +43,6 @@ impl Journal {
         let thread = std::thread::Builder::new().name("run log".to_owned());
         let thread = thread.spawn(move || write(file, &receiver));
         Ok(Self {
-            path: path.to_owned(),
             steps: Some(sender),
             thread: Some(thread.map_err(failed)?),
         })
@@ -54,12 +52,6 @@ impl Journal {
     pub fn add(&self, ticks: &[Tick]) -> bool {
         let steps = self.steps.as_ref();
         steps.is_some_and(|steps| steps.try_send(ticks.to_vec()).is_ok())
-    }
-
-    /// Where it is.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Writes what is left.

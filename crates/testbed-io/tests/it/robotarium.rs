@@ -14,24 +14,18 @@ fn finite() -> impl Strategy<Value = f64> {
 }
 
 fn poses() -> impl Strategy<Value = Vec<TrackedPose>> {
-    let of_one = (finite(), finite(), finite(), prop::option::of(finite()));
+    let of_one = (finite(), finite(), finite());
     let of_all = prop::collection::btree_map(any::<u32>(), of_one, 0..30);
     of_all.prop_map(|by_id: BTreeMap<_, _>| by_id.into_iter().map(tracked).collect())
 }
 
-fn tracked(
-    (id, (x_m, y_m, heading_rad, battery_v)): (u32, (f64, f64, f64, Option<f64>)),
-) -> TrackedPose {
+fn tracked((id, (x_m, y_m, heading_rad)): (u32, (f64, f64, f64))) -> TrackedPose {
     let pose = Pose {
         x_m,
         y_m,
         heading_rad,
     };
-    TrackedPose {
-        id,
-        pose,
-        battery_v,
-    }
+    TrackedPose { id, pose }
 }
 
 proptest! {
@@ -67,13 +61,13 @@ fn both_trackers_are_understood() {
     let newer =
         br#"{"5": {"x": 1, "y": -0.5, "theta": 3e-1, "batt_volt": 3.9, "charge_status": true}}"#;
     let older = br#" {"5":{"charging":0,"powerData":3.9,"theta":0.3,"y":-0.5,"x":1.0}}  "#;
-    let one = [tracked((5, (1.0, -0.5, 0.3, Some(3.9))))];
+    let one = [tracked((5, (1.0, -0.5, 0.3)))];
     assert_eq!(decode_poses(newer).unwrap(), one);
     assert_eq!(decode_poses(older).unwrap(), one);
 }
 
 #[test]
-fn a_battery_may_be_unknown() {
+fn the_battery_does_not_matter() {
     for battery in [
         "",
         r#", "batt_volt": null"#,
@@ -81,7 +75,7 @@ fn a_battery_may_be_unknown() {
     ] {
         let message = format!(r#"{{"5": {{"x": 1, "y": 0, "theta": 0{battery}}}}}"#);
         let poses = decode_poses(message.as_bytes()).unwrap();
-        assert_eq!(poses, [tracked((5, (1.0, 0.0, 0.0, None)))]);
+        assert_eq!(poses, [tracked((5, (1.0, 0.0, 0.0)))]);
     }
 }
 
@@ -129,7 +123,7 @@ fn malformed(message: &str) {
 
 #[test]
 fn long_messages_are_malformed() {
-    let robots = |count| (0..count).map(|id| tracked((id, (0.0, 0.0, 0.0, None))));
+    let robots = |count| (0..count).map(|id| tracked((id, (0.0, 0.0, 0.0))));
     let most = encode_poses(&robots(1000).collect::<Vec<_>>());
     assert_eq!(decode_poses(most.as_bytes()).unwrap().len(), 1000);
     malformed(&encode_poses(&robots(1001).collect::<Vec<_>>()));
@@ -146,7 +140,7 @@ fn commands_are_finite() {
             turn_rate_rad_s: wrong,
         };
         assert_eq!(encode_command(speeds), Err(NotFinite));
-        let pose = tracked((1, (wrong, 0.0, 0.0, None)));
+        let pose = tracked((1, (wrong, 0.0, 0.0)));
         malformed(&encode_poses(&[pose]));
     }
     let stop = encode_command(Speeds::ZERO).unwrap();

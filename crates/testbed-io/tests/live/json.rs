@@ -205,3 +205,29 @@ fn a_program_that_ends_before_the_start_is_an_error() {
     let error = session.run(&StopSwitch::default(), |_| {}).unwrap_err();
     assert!(error.to_string().contains("1 malformed") || error.to_string().contains("1 packets"));
 }
+
+#[test]
+fn a_program_gives_the_poses_of_robots_that_hear_elsewhere() {
+    let mut python = std::process::Command::new("python3");
+    if python.arg("--version").output().is_err() {
+        println!("skipped: no python3");
+        return;
+    }
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let program = PosesSpec::Program(ProgramSpec {
+        command: vec!["python3".to_owned(), robots.to_owned()],
+        latency_s: 0.0,
+    });
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    socket.set_nonblocking(true).unwrap();
+    let address = socket.local_addr().unwrap();
+    let commands = CommandsSpec::JsonUdp(JsonCommandsSpec { address });
+    let scenario = Scenario::new(scenario(2, 3.0)).unwrap();
+    let link = link(2, program, commands);
+    let (ticks, _, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
+    assert_eq!(report.ending, Ending::Finished);
+    assert!(report.untold.is_empty());
+    let mut buffer = [0; 1024];
+    let told = std::iter::from_fn(|| socket.recv_from(&mut buffer).ok());
+    assert!(told.count() >= ticks.len() / 2);
+}

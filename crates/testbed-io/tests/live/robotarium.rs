@@ -1,7 +1,6 @@
 //! A minute with two robots of the Robotarium behind a broker.
 
 use std::net::UdpSocket;
-use std::time::Duration;
 
 use testbed_io::live::commands::RobotariumUdpSpec;
 use testbed_io::live::robotarium::RobotariumSpec;
@@ -237,5 +236,4 @@ fn messages_that_lie_are_not_believed() {
     let received = report.received;
     assert!(received.malformed > 0 && received.other_robot > 0);
     assert!(received.jump + received.overlapping > 0);
-    std::thread::sleep(Duration::from_millis(100));
 }

@@ -15,7 +15,7 @@ use crate::live::json_lines::lines;
 
 /// All commands of a step in one datagram to one address.
 #[derive(Debug)]
-pub struct JsonUdpCommands {
+pub(in crate::live) struct JsonUdpCommands {
     peer: UdpRobots,
     ids: Vec<u32>,
 }
@@ -24,7 +24,7 @@ impl JsonUdpCommands {
     /// # Errors
     ///
     /// No socket.
-    pub fn open(address: SocketAddr, ids: &[u32]) -> Result<Self, Error> {
+    pub(in crate::live) fn open(address: SocketAddr, ids: &[u32]) -> Result<Self, Error> {
         Ok(Self {
             peer: UdpRobots::bind(&[address], 0)?,
             ids: ids.to_vec(),
@@ -39,14 +39,13 @@ fn zeros(ids: &[u32]) -> Vec<u8> {
 
 impl CommandSink for JsonUdpCommands {
     fn send(&mut self, commands: &[Command]) {
-        self.peer.take_answers(|_| true);
         self.peer.send(0, &lines(&self.ids, commands));
     }
 
     fn stop(&mut self, _patience: Duration) -> Vec<usize> {
         // Nothing says that zeros arrived.
         let zeros = zeros(&self.ids);
-        if self.peer.insist_blindly(&zeros).is_empty() {
+        if self.peer.repeat(&zeros).is_empty() {
             return Vec::new();
         }
         (0..self.ids.len()).collect()
@@ -63,7 +62,7 @@ impl CommandSink for JsonUdpCommands {
 
 /// Lines to a program, written by a thread of their own: a program that does not read must not hold up the loop.
 #[derive(Debug)]
-pub struct JsonWriter {
+pub(in crate::live) struct JsonWriter {
     ids: Vec<u32>,
     lines: Option<SyncSender<Vec<u8>>>,
     thread: Option<JoinHandle<()>>,
@@ -79,7 +78,10 @@ impl JsonWriter {
     /// # Errors
     ///
     /// No thread.
-    pub fn start(mut out: impl Write + Send + 'static, ids: &[u32]) -> Result<Self, Error> {
+    pub(in crate::live) fn start(
+        mut out: impl Write + Send + 'static,
+        ids: &[u32],
+    ) -> Result<Self, Error> {
         let (sender, receiver) = sync_channel::<Vec<u8>>(2);
         let written = Arc::new(AtomicU64::new(0));
         let count = Arc::clone(&written);

@@ -34,7 +34,7 @@ fn default_unit() -> f64 {
 
 /// The robots.
 #[derive(Debug)]
-pub struct Khepera {
+pub(in crate::live) struct Khepera {
     robots: UdpRobots,
     count_mps: f64,
 }
@@ -67,7 +67,7 @@ impl Khepera {
     /// # Errors
     ///
     /// A speed unit that is not positive, or a robot that does not answer within 2 s.
-    pub fn open(spec: &KheperaSpec) -> Result<Self, Error> {
+    pub(in crate::live) fn open(spec: &KheperaSpec) -> Result<Self, Error> {
         if !(spec.count_mps.is_finite() && spec.count_mps > 0.0) {
             return Err(Error::Link {
                 peer: "khepera".to_owned(),

@@ -14,27 +14,29 @@ use serde::Serialize;
 use unicycle_cbf::{Speeds, WheelSpeeds};
 
 pub(super) use dead_man::DeadMan;
-pub use json::{JsonUdpCommands, JsonWriter};
-pub use khepera::{Khepera, KheperaReply, KheperaSpec};
-pub use nowhere::Nowhere;
-pub use robotarium::RobotariumCommands;
-pub use robotarium_udp::{RobotariumUdp, RobotariumUdpSpec};
+pub(super) use json::{JsonUdpCommands, JsonWriter};
+pub(super) use khepera::Khepera;
+pub use khepera::{KheperaReply, KheperaSpec};
+pub(super) use nowhere::Nowhere;
+pub(super) use robotarium::RobotariumCommands;
+pub(super) use robotarium_udp::RobotariumUdp;
+pub use robotarium_udp::RobotariumUdpSpec;
 
 /// What a robot is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Command {
+pub(in crate::live) struct Command {
     /// Index of the robot, from the front
-    pub robot: usize,
+    pub(in crate::live) robot: usize,
     /// Speed and turn rate
-    pub speeds: Speeds,
+    pub(in crate::live) speeds: Speeds,
     /// The same as wheel speeds
-    pub wheels: WheelSpeeds,
+    pub(in crate::live) wheels: WheelSpeeds,
 }
 
 impl Command {
     /// Stand still.
     #[must_use]
-    pub fn zero(robot: usize) -> Self {
+    pub(in crate::live) fn zero(robot: usize) -> Self {
         Self {
             robot,
             speeds: Speeds::ZERO,
@@ -60,15 +62,15 @@ pub struct CommandCounts {
 
 /// A peer that does not answer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Silence {
+pub(in crate::live) struct Silence {
     /// Which
-    pub peer: String,
+    pub(in crate::live) peer: String,
     /// For how long, in s
-    pub for_s: f64,
+    pub(in crate::live) for_s: f64,
 }
 
 /// A way to tell robots what to do.
-pub trait CommandSink: Send {
+pub(in crate::live) trait CommandSink: Send {
     /// Sends commands without waiting; what cannot be sent is counted, and is not sent later.
     fn send(&mut self, commands: &[Command]);
 

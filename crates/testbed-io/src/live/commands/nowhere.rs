@@ -6,7 +6,7 @@ use super::{Command, CommandCounts, CommandSink, Silence};
 
 /// For recordings: what would have been commanded is in the run log.
 #[derive(Debug, Clone, Copy)]
-pub struct Nowhere;
+pub(in crate::live) struct Nowhere;
 
 impl CommandSink for Nowhere {
     fn send(&mut self, _commands: &[Command]) {}

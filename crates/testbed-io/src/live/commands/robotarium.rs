@@ -7,7 +7,7 @@ use crate::live::robotarium::Robotarium;
 
 /// The commands' side of the connection to a broker.
 #[derive(Debug)]
-pub struct RobotariumCommands {
+pub(in crate::live) struct RobotariumCommands {
     broker: Robotarium,
     counts: CommandCounts,
 }
@@ -15,7 +15,7 @@ pub struct RobotariumCommands {
 impl RobotariumCommands {
     /// Takes the connection over.
     #[must_use]
-    pub fn new(broker: Robotarium) -> Self {
+    pub(in crate::live) fn new(broker: Robotarium) -> Self {
         Self {
             broker,
             counts: CommandCounts::default(),

@@ -27,7 +27,7 @@ fn default_reply_port() -> u16 {
 
 /// The robots.
 #[derive(Debug)]
-pub struct RobotariumUdp {
+pub(in crate::live) struct RobotariumUdp {
     robots: UdpRobots,
 }
 
@@ -35,7 +35,7 @@ impl RobotariumUdp {
     /// # Errors
     ///
     /// A port that cannot be opened.
-    pub fn open(spec: &RobotariumUdpSpec) -> Result<Self, Error> {
+    pub(in crate::live) fn open(spec: &RobotariumUdpSpec) -> Result<Self, Error> {
         let robots = UdpRobots::bind(&spec.addresses, spec.reply_port)?;
         Ok(Self { robots })
     }
@@ -72,7 +72,7 @@ impl CommandSink for RobotariumUdp {
     fn stop(&mut self, _patience: Duration) -> Vec<usize> {
         // Nothing says that zeros arrived.
         let zero = message(Speeds::ZERO);
-        self.robots.insist_blindly(&zero)
+        self.robots.repeat(&zero)
     }
 
     fn silence(&self) -> Option<Silence> {

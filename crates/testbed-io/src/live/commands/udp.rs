@@ -104,9 +104,7 @@ impl UdpRobots {
         let first = self.robots.clone();
         let mut settled = first.clone();
         for round in 1.. {
-            for robot in 0..self.addresses.len() {
-                self.send(robot, message);
-            }
+            self.send_to_all(message);
             std::thread::sleep(ROUND);
             self.take_answers(is_answer);
             if round == ROUNDS {
@@ -116,15 +114,13 @@ impl UdpRobots {
             if round < ROUNDS {
                 continue;
             }
-            let robots = self.robots.iter().zip(first.iter().zip(&settled));
-            let certain = |robot: &Robot, first: &Robot, settled: &Robot| {
-                robot.sent >= first.sent + ROUNDS && robot.answers >= settled.answers + answers
+            let certain = |robot: &usize| {
+                let now = self.robots[*robot];
+                now.sent >= first[*robot].sent + ROUNDS
+                    && now.answers >= settled[*robot].answers + answers
             };
-            let missing: Vec<usize> = robots
-                .enumerate()
-                .filter(|(_, (robot, (first, settled)))| !certain(robot, first, settled))
-                .map(|(index, _)| index)
-                .collect();
+            let robots = 0..self.robots.len();
+            let missing: Vec<usize> = robots.filter(|robot| !certain(robot)).collect();
             if missing.is_empty() || start.elapsed() >= patience {
                 return missing;
             }
@@ -132,16 +128,23 @@ impl UdpRobots {
         Vec::new()
     }
 
-    /// The same where robots do not answer: for half a second. Gives the robots to which nothing could be sent.
-    pub(super) fn insist_blindly(&mut self, message: &[u8]) -> Vec<usize> {
-        let before = self.robots.clone();
-        let patience = Duration::from_millis(500);
-        self.insist(message, |_| true, u64::MAX / 2, patience);
-        let robots = self.robots.iter().zip(&before).enumerate();
-        robots
-            .filter(|(_, (robot, before))| robot.sent < before.sent + ROUNDS)
-            .map(|(index, _)| index)
-            .collect()
+    /// Sends a message that nobody answers to every robot each 20 ms for half a second. Gives the robots to which it could not be
+    /// sent often enough.
+    pub(super) fn repeat(&mut self, message: &[u8]) -> Vec<usize> {
+        let first = self.robots.clone();
+        for _ in 0..5 * ROUNDS {
+            self.send_to_all(message);
+            std::thread::sleep(ROUND);
+        }
+        let reached = |robot: &usize| self.robots[*robot].sent >= first[*robot].sent + ROUNDS;
+        let robots = 0..self.robots.len();
+        robots.filter(|robot| !reached(robot)).collect()
+    }
+
+    fn send_to_all(&mut self, message: &[u8]) {
+        for robot in 0..self.robots.len() {
+            self.send(robot, message);
+        }
     }
 
     pub(super) fn silence(&self) -> Option<Silence> {

@@ -105,7 +105,7 @@ impl NatNetSpec {
 ///
 /// # Errors
 /// If a socket cannot be opened or the group not be joined.
-pub fn start(spec: &NatNetSpec, inbox: Inbox) -> Result<JoinHandle<Result<(), Error>>, Error> {
+pub fn start(spec: &NatNetSpec, inbox: Inbox) -> Result<JoinHandle<()>, Error> {
     let sockets = Sockets::open(spec)?;
     if let Some(port) = sockets.instead {
         let wanted = spec.data_port;
@@ -117,22 +117,17 @@ pub fn start(spec: &NatNetSpec, inbox: Inbox) -> Result<JoinHandle<Result<(), Er
     receiver("natnet", inbox, move |_| run(&session, &sockets))
 }
 
-fn run(session: &Session, sockets: &Sockets) -> Result<(), Error> {
+fn run(session: &Session, sockets: &Sockets) {
     thread::scope(|scope| {
         if let Some(data) = &sockets.data {
             let builder = thread::Builder::new().name("natnet-data".to_owned());
-            builder
-                .spawn_scoped(scope, || session.listen(data))
-                .map_err(|source| no_thread(session.spec(), &source))?;
+            if let Err(source) = builder.spawn_scoped(scope, || session.listen(data)) {
+                // The session ends when this thread does.
+                return session.note(format!("no thread for NatNet frames: {source}"));
+            }
         }
         session.converse(&sockets.command);
-        Ok(())
-    })
-}
-
-fn no_thread(spec: &NatNetSpec, source: &io::Error) -> Error {
-    let problem = format!("no thread can be started: {source}");
-    spec.error(problem, "close other programs")
+    });
 }
 
 struct Sockets {

@@ -39,8 +39,8 @@ impl Session {
         }
     }
 
-    pub(super) fn spec(&self) -> &NatNetSpec {
-        &self.spec
+    pub(super) fn note(&self, text: String) {
+        self.inbox.note(text);
     }
 
     /// Receives until the inbox ends.

@@ -62,7 +62,6 @@ pub(in crate::live) fn listen(spec: &JsonUdpSpec, inbox: Inbox) -> Result<Receiv
                 take(inbox, arrival_s, line, latency_s);
             }
         }
-        Ok(())
     })
 }
 

@@ -18,18 +18,18 @@ pub(super) use recording::Recorded;
 pub use recording::{Pace, RecordingSpec};
 
 /// A thread that receives until the inbox ends, or until nothing can come any more.
-pub(super) type Receiver = JoinHandle<Result<(), Error>>;
+pub(super) type Receiver = JoinHandle<()>;
 
 /// Starts one; a thread is named for debuggers and messages.
 pub(super) fn receiver(
     name: &str,
     inbox: Inbox,
-    run: impl FnOnce(&Inbox) -> Result<(), Error> + Send + 'static,
+    run: impl FnOnce(&Inbox) + Send + 'static,
 ) -> Result<Receiver, Error> {
     let thread = std::thread::Builder::new().name(name.to_owned());
     let spawned = thread.spawn(move || {
         hurry();
-        run(&inbox)
+        run(&inbox);
     });
     spawned.map_err(|source| Error::no_thread(name, &source))
 }

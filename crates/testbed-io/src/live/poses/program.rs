@@ -110,7 +110,7 @@ fn read(
             let bytes = stream.by_ref().take(longest).read_until(b'\n', &mut line);
             let arrival_s = inbox.clock().now_s();
             match bytes {
-                Ok(0) | Err(_) => return Ok(()),
+                Ok(0) | Err(_) => return,
                 Ok(_) => inbox.packet(),
             }
             if line.last() != Some(&b'\n') {
@@ -119,6 +119,5 @@ fn read(
                 take(inbox, arrival_s, &line, latency_s);
             }
         }
-        Ok(())
     })
 }

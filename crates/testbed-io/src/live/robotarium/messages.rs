@@ -5,7 +5,6 @@ use std::fmt;
 
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value;
 use unicycle_cbf::{Pose, Speeds};
 
 /// Longer messages are malformed, in bytes.
@@ -30,29 +29,14 @@ pub struct TrackedPose {
     pub id: u32,
     /// Where
     pub pose: Pose,
-    /// Voltage of its battery in V, if the tracker knows it
-    pub battery_v: Option<f64>,
 }
 
-/// What the tracker says about one robot.
-#[derive(Deserialize)]
+/// What the tracker says about one robot. It also says how its battery is, older trackers under other keys.
+#[derive(Serialize, Deserialize)]
 struct Entry {
     x: f64,
     y: f64,
     theta: f64,
-    #[serde(default)]
-    batt_volt: Value,
-    #[serde(default, rename = "powerData")]
-    power_data: Value,
-}
-
-#[derive(Serialize)]
-struct EntryOut {
-    x: f64,
-    y: f64,
-    theta: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    batt_volt: Option<f64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -157,7 +141,6 @@ impl Entry {
                 y_m: self.y,
                 heading_rad: self.theta,
             },
-            battery_v: self.batt_volt.as_f64().or(self.power_data.as_f64()),
         }
     }
 }
@@ -167,11 +150,10 @@ struct PosesOut<'a>(&'a [TrackedPose]);
 impl Serialize for PosesOut<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|tracked| {
-            let entry = EntryOut {
+            let entry = Entry {
                 x: tracked.pose.x_m,
                 y: tracked.pose.y_m,
                 theta: tracked.pose.heading_rad,
-                batt_volt: tracked.battery_v,
             };
             (tracked.id, entry)
         }))

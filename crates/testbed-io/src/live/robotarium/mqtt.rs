@@ -45,7 +45,7 @@ pub fn connect(spec: &RobotariumSpec, ids: &[u32], inbox: Inbox) -> Result<Robot
     let runtime = Builder::new_current_thread()
         .enable_all()
         .build()
-        .map_err(|error| thread_error(spec, &error))?;
+        .map_err(|error| Error::no_thread("robotarium", &error))?;
     let lanes: Vec<Arc<Lane>> = ids.iter().map(|_| Arc::default()).collect();
     let status = Arc::new(Status::new(inbox, ids.len() + 1));
     let (end, ended) = watch::channel(());
@@ -70,7 +70,7 @@ pub fn connect(spec: &RobotariumSpec, ids: &[u32], inbox: Inbox) -> Result<Robot
             hurry();
             connections.run(runtime, &ended);
         })
-        .map_err(|error| thread_error(spec, &error))?;
+        .map_err(|error| Error::no_thread("robotarium", &error))?;
     let mut robotarium = Robotarium {
         lanes,
         status,
@@ -240,8 +240,4 @@ fn link_error(spec: &RobotariumSpec, problem: String, help: &str) -> Error {
         problem,
         help: help.to_owned(),
     }
-}
-
-fn thread_error(spec: &RobotariumSpec, error: &std::io::Error) -> Error {
-    link_error(spec, error.to_string(), "is the system out of threads?")
 }
