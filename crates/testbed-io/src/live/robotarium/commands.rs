@@ -11,6 +11,7 @@ use tokio::sync::{Notify, watch};
 use unicycle_cbf::Speeds;
 
 use super::messages::encode_command;
+use super::problem::Problem;
 use super::status::{self, Status};
 use super::{NotFinite, RobotariumSpec};
 
@@ -142,12 +143,12 @@ impl Sender {
                         self.lane.confirm(waiting.take().unwrap_or(0));
                     }
                     Ok(_) => {}
-                    Err(error) => return self.status.failed(error.to_string()),
+                    Err(error) => return self.status.failed(error),
                 },
                 () = self.lane.wake.notified(), if waiting.is_none() => {}
                 () = tokio::time::sleep_until(asked + span) => {
                     if waiting.is_some() {
-                        return self.status.failed("the broker does not answer".to_owned());
+                        return self.status.failed(Problem::NoAnswer("the broker does not answer".to_owned()));
                     }
                     beat = true;
                 }

@@ -39,9 +39,10 @@ pub struct Robotarium {
 ///
 /// # Errors
 ///
-/// No broker answers within 3 s, or the settings cannot be.
+/// No broker answers within 3 s, it refuses us, or the settings cannot be.
 pub fn connect(spec: &RobotariumSpec, ids: &[u32], inbox: Inbox) -> Result<Robotarium, Error> {
     check(spec)?;
+    let spec = &spec.with_password()?;
     let runtime = Builder::new_current_thread()
         .enable_all()
         .build()
@@ -146,13 +147,12 @@ impl Robotarium {
     fn await_first(&mut self, spec: &RobotariumSpec) -> Result<(), Error> {
         let until = Instant::now() + FIRST;
         while !self.connected() {
-            if Instant::now() >= until {
+            let problem = self.status.problem();
+            if Instant::now() >= until || problem.is_final() {
                 // No robot got a command, so none needs to be stopped.
                 self.stopped = true;
                 self.lanes.iter().for_each(|lane| lane.stopped());
-                let help =
-                    "start the broker, or correct its address and port (1883 for older trackers)";
-                return Err(link_error(spec, self.status.problem(), help));
+                return Err(problem.error(spec));
             }
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -216,11 +216,11 @@ fn check(spec: &RobotariumSpec) -> Result<(), Error> {
     };
     if !topics.iter().all(is_topic) {
         let help = "give topics without wildcards";
-        return Err(link_error(spec, "no topic".to_owned(), help));
+        return Err(spec.error("no topic".to_owned(), help));
     }
     if !(spec.latency_s.is_finite() && spec.latency_s >= 0.0) {
         let problem = format!("a latency of {} s", spec.latency_s);
-        return Err(link_error(spec, problem, "give a number from 0"));
+        return Err(spec.error(problem, "give a number from 0"));
     }
     Ok(())
 }
@@ -232,12 +232,4 @@ fn client_prefix() -> String {
     let nanos = since.map_or(0, |since| since.as_nanos());
     let pid = std::process::id() & 0xf_ffff;
     format!("d{pid:x}x{:x}", nanos & 0xff_ffff_ffff)
-}
-
-fn link_error(spec: &RobotariumSpec, problem: String, help: &str) -> Error {
-    Error::Link {
-        peer: format!("{}:{}", spec.broker, spec.port),
-        problem,
-        help: help.to_owned(),
-    }
 }

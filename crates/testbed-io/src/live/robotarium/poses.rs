@@ -10,6 +10,7 @@ use super::super::counts::Dropped;
 use super::super::inbox::{Inbox, Seen};
 use super::RobotariumSpec;
 use super::messages::{LARGEST_MESSAGE, decode_poses};
+use super::problem::Problem;
 use super::status::{self, Status};
 
 /// Between signs of life when there are no poses.
@@ -47,7 +48,7 @@ async fn receive_connected(
 ) {
     let topic = &spec.pose_topic;
     let asked = client.try_subscribe(topic, QoS::AtMostOnce);
-    let subscribed = asked.is_ok() && subscribed(connection, status, topic).await;
+    let subscribed = asked.is_ok() && subscribed(connection, status).await;
     if !subscribed {
         // Not to ask a broker that refuses all the time.
         return tokio::time::sleep(status::RETRY).await;
@@ -59,25 +60,25 @@ async fn receive_connected(
                 take(&publish, spec.latency_s, status.inbox());
             }
             Ok(_) => {}
-            Err(error) => return status.failed(error.to_string()),
+            Err(error) => return status.failed(error),
         }
     }
 }
 
 /// Whether the broker will send poses.
-async fn subscribed(connection: &mut EventLoop, status: &Status, topic: &str) -> bool {
+async fn subscribed(connection: &mut EventLoop, status: &Status) -> bool {
     loop {
         match connection.poll().await {
             Ok(Event::Incoming(Packet::SubAck(answer))) => {
                 let refused = answer.return_codes.contains(&SubscribeReasonCode::Failure);
                 if refused {
-                    status.failed(format!("the broker refuses the topic {topic}"));
+                    status.failed(Problem::Topic);
                 }
                 return !refused;
             }
             Ok(_) => {}
             Err(error) => {
-                status.failed(error.to_string());
+                status.failed(error);
                 return false;
             }
         }

@@ -7,7 +7,8 @@ use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, NetworkOptions, Outgoi
 use tokio::sync::watch;
 
 use super::super::inbox::Inbox;
-use super::RobotariumSpec;
+use super::problem::Problem;
+use super::{Password, RobotariumSpec};
 
 /// Between attempts to connect.
 pub(super) const RETRY: Duration = Duration::from_millis(200);
@@ -32,7 +33,7 @@ struct State {
     /// Since when there is none, for each
     lost_s: Vec<Option<f64>>,
     /// Why the last attempt failed
-    problem: String,
+    problem: Problem,
     /// Whether all were there once
     complete: bool,
     /// When one that was lost came back last
@@ -46,7 +47,7 @@ impl Status {
         let now_s = inbox.clock().now_s();
         let state = State {
             lost_s: vec![Some(now_s); connections],
-            problem: "no answer".to_owned(),
+            problem: Problem::NoAnswer("no answer".to_owned()),
             complete: false,
             back_s: None,
             noted: false,
@@ -97,11 +98,11 @@ impl Status {
         self.lock().noted = true;
     }
 
-    pub(super) fn failed(&self, problem: String) {
-        self.lock().problem = problem;
+    pub(super) fn failed(&self, problem: impl Into<Problem>) {
+        self.lock().problem = problem.into();
     }
 
-    pub(super) fn problem(&self) -> String {
+    pub(super) fn problem(&self) -> Problem {
         self.lock().problem.clone()
     }
 
@@ -154,7 +155,12 @@ pub(super) fn client(
 }
 
 pub(super) fn options(spec: &RobotariumSpec, client_id: &str) -> MqttOptions {
-    MqttOptions::new(client_id, &spec.broker, spec.port)
+    let mut options = MqttOptions::new(client_id, &spec.broker, spec.port);
+    if let Some(user) = &spec.user {
+        let password = spec.password.as_ref();
+        options.set_credentials(user, password.map_or("", Password::as_str));
+    }
+    options
 }
 
 /// Connects, with as many attempts as it takes. False if the session ended before.
@@ -167,7 +173,7 @@ pub(super) async fn connect(
     let attempts = async {
         tokio::time::sleep(BEFORE).await;
         while let Err(error) = connection.poll().await {
-            status.failed(error.to_string());
+            status.failed(error);
             tokio::time::sleep(RETRY).await;
         }
     };
