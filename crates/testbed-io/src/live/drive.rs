@@ -17,6 +17,8 @@ use crate::tick::{Tick, Truth};
 
 /// How long robots have to appear before the start, and after which time the user is told whom the session waits for.
 const APPEAR: Duration = Duration::from_secs(60);
+/// The same while the other side says that robots are getting ready.
+const GETTING_READY: Duration = Duration::from_secs(300);
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
@@ -58,6 +60,7 @@ impl<'a> Drive<'a> {
     /// Waits until every robot is seen where it can start; false if asked to stop meanwhile.
     pub(super) fn appear(
         &mut self,
+        lost_after_s: f64,
         stop: &StopSwitch,
         update: &mut impl FnMut(Update),
     ) -> Result<bool, Error> {
@@ -78,7 +81,9 @@ impl<'a> Drive<'a> {
             if missing.is_empty() {
                 break;
             }
-            if start.elapsed() > APPEAR || self.link.has_ended() {
+            let waited = start.elapsed();
+            self.link.is_there(waited.as_secs_f64(), lost_after_s)?;
+            if self.is_too_long(waited) || self.link.has_ended() {
                 return Err(not_seen(&missing, &self.link.inbox.counts()));
             }
             if !told && start.elapsed() > WAITING {
@@ -171,6 +176,19 @@ impl<'a> Drive<'a> {
         (self.summary.finished(), report)
     }
 
+    fn is_too_long(&self, waited: Duration) -> bool {
+        let inbox = &self.link.inbox;
+        let silent_s = inbox
+            .getting_ready_s()
+            .map(|told_s| inbox.clock().now_s() - told_s);
+        let patience = if silent_s.is_some_and(|silent_s| silent_s < APPEAR.as_secs_f64()) {
+            GETTING_READY
+        } else {
+            APPEAR
+        };
+        waited > patience
+    }
+
     fn pass_notes(&self, update: &mut impl FnMut(Update)) {
         for note in self.link.inbox.notes() {
             update(Update::Note(&note));
@@ -257,21 +275,28 @@ impl<'a> Drive<'a> {
                 continue;
             };
             let deviation_m = truth.safety.deviation_m;
-            let what = if deviation_m.abs() > half_width_m {
-                format!(
-                    "is {:.3} m off the path, and the lane reaches {half_width_m} m to each side; place it within",
+            let (problem, help) = if deviation_m.abs() > half_width_m {
+                let problem = format!(
+                    "{:.3} m off the path, and the lane reaches {half_width_m} m to each side",
                     deviation_m.abs()
-                )
+                );
+                (problem, "place it within")
             } else if truth
                 .safety
                 .headway_m
                 .is_some_and(|headway_m| headway_m < 0.0)
             {
-                format!("is too near to robot {}; place it farther back", robot - 1)
+                let ahead = self.link.ids[robot - 1];
+                let problem = format!("too near to robot {ahead}");
+                (problem, "place it farther back")
             } else {
                 continue;
             };
-            return Err(unicycle_cbf::Error::Start { robot, what }.into());
+            return Err(Error::Link {
+                peer: format!("robot {}", self.link.ids[robot]),
+                problem,
+                help: help.to_owned(),
+            });
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! From the threads that receive to the loop: the newest pose of each robot, and counts of everything else.
 
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -8,6 +9,7 @@ use unicycle_cbf::{Pose, StampedPose};
 use super::clock::Clock;
 use super::counts::{Counts, Dropped};
 use super::gate::{Bounds, Gate};
+use super::senders::Senders;
 use super::stamps::{StampMap, Stamping};
 
 /// Beyond this an angle is not precise enough to be one.
@@ -15,6 +17,8 @@ const LARGEST_HEADING_RAD: f64 = 1e4;
 /// Notes that wait to be read, and the time between two of a clock that jumps, in s.
 const MOST_NOTES: usize = 32;
 const JUMPS_APART_S: f64 = 5.0;
+/// Of what somebody else says, in a note.
+const MOST_CHARACTERS: usize = 200;
 
 /// A pose as a source gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +51,9 @@ struct State {
     counts: Counts,
     notes: Vec<String>,
     jump_told_s: f64,
+    /// When somebody said last that robots are getting ready, and how
+    getting_ready: Option<(f64, String)>,
+    senders: Vec<Senders>,
 }
 
 impl Inbox {
@@ -57,6 +64,8 @@ impl Inbox {
             ids: ids.to_vec(),
             stamps: vec![StampMap::default(); ids.len()],
             gate: Gate::new(bounds, ids.len()),
+            senders: vec![Senders::new(bounds); ids.len()],
+            getting_ready: None,
             newest: vec![None; ids.len()],
             counts: Counts::default(),
             notes: Vec::new(),
@@ -101,9 +110,31 @@ impl Inbox {
         self.lock().note(text);
     }
 
+    /// Robots are not yet where they can start; the user is told why, once.
+    pub(super) fn getting_ready(&self, arrival_s: f64, mut how: String) {
+        let mut state = self.lock();
+        how = how.chars().take(MOST_CHARACTERS).collect();
+        let known = state.getting_ready.replace((arrival_s, how.clone()));
+        if known.is_none_or(|(_, known)| known != how) {
+            state.note(how);
+        }
+    }
+
+    /// When somebody said last that robots are getting ready, on this clock.
+    pub(super) fn getting_ready_s(&self) -> Option<f64> {
+        let state = self.lock();
+        state.getting_ready.as_ref().map(|(told_s, _)| *told_s)
+    }
+
     /// A pose that arrived at `arrival_s`; what cannot be true is counted and dropped.
     pub fn pose(&self, arrival_s: f64, seen: Seen) {
+        self.pose_from(arrival_s, seen, None);
+    }
+
+    /// The same from an address; of poses of one robot that come from two senders there is a note.
+    pub(super) fn pose_from(&self, arrival_s: f64, seen: Seen, from: Option<SocketAddr>) {
         let mut state = self.lock();
+        state.compare_senders(arrival_s, &seen, from);
         if let Err(reason) = state.take(arrival_s, seen) {
             state.counts.add(reason);
         }
@@ -150,6 +181,18 @@ impl State {
     fn note(&mut self, text: String) {
         if self.notes.len() < MOST_NOTES {
             self.notes.push(text);
+        }
+    }
+
+    fn compare_senders(&mut self, arrival_s: f64, seen: &Seen, from: Option<SocketAddr>) {
+        let Some(robot) = self.ids.iter().position(|id| *id == seen.id) else {
+            return;
+        };
+        if let Some(two) = self.senders[robot].add(arrival_s, seen, from) {
+            self.note(format!(
+                "poses of robot {} {two}; do two programs send them? end one of them",
+                seen.id
+            ));
         }
     }
 

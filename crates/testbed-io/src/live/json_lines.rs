@@ -5,6 +5,8 @@
 //! from drivekit  {"robot": 1, "v": 0.1, "w": 0.4, "left": 0.078, "right": 0.122}
 //! ```
 //!
+//! Before there are poses, `{"getting_ready": "why"}` keeps a session waiting that would give up after a minute.
+//!
 //! Metres, radians and seconds. `t` of poses is the sender's own clock and may be left out; `left` and `right` are speeds of the wheels.
 
 use serde::{Deserialize, Serialize};
@@ -30,6 +32,13 @@ pub struct PoseLine {
     /// When it was there, on the sender's clock, in s
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub t: Option<f64>,
+}
+
+/// That robots are on their way to where they can start, as a line.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GettingReadyLine {
+    /// What is being done, for the user
+    pub getting_ready: String,
 }
 
 /// A command as a line.
@@ -78,6 +87,17 @@ impl PoseLine {
             stamp_s: self.t,
             age_s: latency_s,
         }
+    }
+}
+
+impl GettingReadyLine {
+    /// Reads a line; `None` if it is not one.
+    #[must_use]
+    pub fn parse(line: &[u8]) -> Option<Self> {
+        if line.len() > LONGEST {
+            return None;
+        }
+        serde_json::from_slice(line).ok()
     }
 }
 

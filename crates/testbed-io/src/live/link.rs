@@ -8,7 +8,7 @@ use unicycle_cbf::Scenario;
 use super::clock::Clock;
 use super::commands::{
     CommandSink, DeadMan, JsonUdpCommands, JsonWriter, Khepera, Nowhere, RobotariumCommands,
-    RobotariumUdp,
+    RobotariumUdp, Silence,
 };
 use super::gate::{Arena, Bounds};
 use super::inbox::Inbox;
@@ -44,10 +44,11 @@ enum Source {
     Shared,
     /// A connection of its own
     Robotarium {
-        _poses: Robotarium,
+        poses: Robotarium,
     },
     /// With its input, which it takes as the session's end when it ends
     Program {
+        name: String,
         poses: Receiver,
         _input: Option<Box<dyn Write + Send>>,
         _running: Option<Running>,
@@ -113,6 +114,46 @@ impl Link {
         matches!(self.source, Source::Recording(_))
     }
 
+    /// Whether the other side is gone while robots are waited for: a program has ended, or a peer has been silent for too long.
+    pub(super) fn is_there(&self, waited_s: f64, lost_after_s: f64) -> Result<(), Error> {
+        let gone = |peer: String, problem: String, help: &str| {
+            let help = help.to_owned();
+            Err(Error::Link {
+                peer,
+                problem,
+                help,
+            })
+        };
+        if let Source::Program { name, .. } = &self.source
+            && self.has_ended()
+        {
+            let problem = "has ended before every robot was seen".to_owned();
+            let help = "see what it says above, and start it by itself to try it";
+            return gone(name.clone(), problem, help);
+        }
+        let silence = self.silence();
+        match silence.filter(|silence| silence.for_s.min(waited_s) > lost_after_s) {
+            Some(Silence { peer, for_s }) => {
+                let problem =
+                    format!("silent for {for_s:.1} s, and not every robot has been seen yet");
+                gone(peer, problem, "start it again, then the session")
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn silence(&self) -> Option<Silence> {
+        let of_poses = match &self.source {
+            Source::Robotarium { poses } => poses.disconnected_for_s(),
+            _ => None,
+        };
+        let of_poses = of_poses.map(|for_s| Silence {
+            peer: "the broker".to_owned(),
+            for_s,
+        });
+        of_poses.or_else(|| self.commands.silence())
+    }
+
     /// Whether no pose can come any more.
     pub(super) fn has_ended(&self) -> bool {
         match &self.source {
@@ -161,8 +202,8 @@ fn source(
             (Source::Recording(recorded), None)
         }
         PosesSpec::Robotarium(spec) if others => {
-            let _poses = robotarium::connect(spec, &[], inbox)?;
-            (Source::Robotarium { _poses }, None)
+            let poses = robotarium::connect(spec, &[], inbox)?;
+            (Source::Robotarium { poses }, None)
         }
         PosesSpec::Robotarium(spec) => {
             let broker = robotarium::connect(spec, ids, inbox)?;
@@ -178,6 +219,7 @@ fn source(
                 (Some(Box::new(writer)), None)
             };
             let source = Source::Program {
+                name: spec.name(),
                 poses: started.poses,
                 _input: input,
                 _running: started.child,

@@ -35,6 +35,7 @@ pub mod natnet;
 mod pacer;
 pub mod poses;
 pub mod robotarium;
+mod senders;
 mod session;
 mod spec;
 mod stamps;

@@ -125,8 +125,9 @@ impl Session<'_> {
         self.check()?;
         let link = Link::open(self.link, self.scenario)?;
         let mut drive = Drive::new(self.scenario, link);
-        let ending = if drive.appear(stop, &mut update)? {
-            drive.run(self.link.lost_after_s, stop, &mut update)
+        let lost_after_s = self.link.lost_after_s;
+        let ending = if drive.appear(lost_after_s, stop, &mut update)? {
+            drive.run(lost_after_s, stop, &mut update)
         } else {
             Ending::Stopped
         };

@@ -10,7 +10,7 @@ use super::{Receiver, receiver};
 use crate::Error;
 use crate::live::counts::Dropped;
 use crate::live::inbox::Inbox;
-use crate::live::json_lines::{PoseLine, lines_of};
+use crate::live::json_lines::{GettingReadyLine, PoseLine, lines_of};
 
 /// Where poses come to, and from whom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,15 +59,25 @@ pub(in crate::live) fn listen(spec: &JsonUdpSpec, inbox: Inbox) -> Result<Receiv
             }
             // From the back: without stamps the last line of a robot is its newest.
             for line in lines_of(buffer.get(..bytes).unwrap_or_default()).rev() {
-                take(inbox, arrival_s, line, latency_s);
+                take(inbox, arrival_s, line, latency_s, Some(from));
             }
         }
     })
 }
 
-pub(super) fn take(inbox: &Inbox, arrival_s: f64, line: &[u8], latency_s: f64) {
-    match PoseLine::parse(line) {
-        Some(pose) => inbox.pose(arrival_s, pose.seen(latency_s)),
-        None => inbox.dropped(Dropped::Malformed),
+/// `from` whom, where that can be known.
+pub(super) fn take(
+    inbox: &Inbox,
+    arrival_s: f64,
+    line: &[u8],
+    latency_s: f64,
+    from: Option<SocketAddr>,
+) {
+    if let Some(pose) = PoseLine::parse(line) {
+        inbox.pose_from(arrival_s, pose.seen(latency_s), from);
+    } else if let Some(line) = GettingReadyLine::parse(line) {
+        inbox.getting_ready(arrival_s, line.getting_ready);
+    } else {
+        inbox.dropped(Dropped::Malformed);
     }
 }

@@ -26,6 +26,16 @@ pub struct ProgramSpec {
     pub latency_s: f64,
 }
 
+impl ProgramSpec {
+    /// For messages.
+    pub(in crate::live) fn name(&self) -> String {
+        match self.command.first() {
+            Some(program) => format!("program `{program}`"),
+            None => "standard input".to_owned(),
+        }
+    }
+}
+
 /// How long a program has to end after its input has.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -54,7 +64,7 @@ impl Program {
             });
         };
         let failed = |problem: String| Error::Link {
-            peer: format!("program `{program}`"),
+            peer: spec.name(),
             problem,
             help: "check `command` in the settings of the link".to_owned(),
         };
@@ -116,7 +126,7 @@ fn read(
             if line.last() != Some(&b'\n') {
                 inbox.dropped(Dropped::Malformed);
             } else if !line.iter().all(u8::is_ascii_whitespace) {
-                take(inbox, arrival_s, &line, latency_s);
+                take(inbox, arrival_s, &line, latency_s, None);
             }
         }
     })
