@@ -127,16 +127,12 @@ fn a_shown_scenario_runs_the_same() {
         "run",
         "--scenario",
         "mine.toml",
-        "--preset",
-        "thesis",
+        "--testbed",
+        "khepera",
     ];
     let out = drivekit_in(folder.path(), &both);
     assert_eq!(out.code, 2);
-    assert!(
-        out.stderr.contains("leave --testbed and --preset out"),
-        "{}",
-        out.stderr
-    );
+    assert!(out.stderr.contains("leave --testbed out"), "{}", out.stderr);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use unicycle_cbf::{Preset, Scenario, Testbed};
+use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 use crate::disturbances::{Disturbances, Group};
 use crate::error::Error;
@@ -17,19 +17,26 @@ const LISTED: usize = 20;
 /// Widest range of a histogram, in mm.
 const HISTOGRAM_MM: f64 = 100.0;
 
+/// A scenario of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedScenario {
+    /// A built-in scenario's name, or a file
+    pub name: String,
+    /// Whose settings its controllers have: a preset's name, or `file`
+    pub preset: String,
+    /// The scenario itself, with the length of each run
+    pub spec: ScenarioSpec,
+}
+
 /// What a campaign runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
-    /// Scenarios by testbed and name
-    pub scenarios: Vec<(Testbed, String)>,
-    /// Which controllers
-    pub presets: Vec<Preset>,
+    /// Scenarios, each with its controllers
+    pub scenarios: Vec<NamedScenario>,
     /// Which disturbances
     pub groups: Vec<Group>,
     /// Runs for each preset and group, spread over the scenarios
     pub runs: usize,
-    /// Length of each run, in s
-    pub duration_s: f64,
     /// Seed of the first run; the next ones count up, the same for each preset and group
     pub seed: u64,
     /// Bounds of the disturbances
@@ -60,8 +67,8 @@ pub struct CampaignReport {
 /// Runs of one preset under one group of disturbances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Total {
-    /// Which controller
-    pub preset: Preset,
+    /// Which controllers: a preset, or `file` for the settings of a scenario file
+    pub preset: String,
     /// Which disturbances
     pub disturbance: Group,
     /// What they came to
@@ -72,12 +79,12 @@ pub struct Total {
 /// The same for one scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Which controller
-    pub preset: Preset,
+    /// Which controllers: a preset, or `file` for the settings of a scenario file
+    pub preset: String,
     /// Which disturbances
     pub disturbance: Group,
     /// Which robots
-    pub testbed: &'static str,
+    pub testbed: String,
     /// Which scenario
     pub scenario: String,
     /// What they came to
@@ -112,8 +119,8 @@ pub struct Tally {
 /// Distributions over the runs of one preset under one group of disturbances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Histograms {
-    /// Which controller
-    pub preset: Preset,
+    /// Which controllers: a preset, or `file` for the settings of a scenario file
+    pub preset: String,
     /// Which disturbances
     pub disturbance: Group,
     /// Least headway barrier of each run
@@ -136,10 +143,10 @@ pub struct Histogram {
 /// An unsafe run; scenario, preset, disturbance and seed repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Violation {
-    /// Which controller
-    pub preset: Preset,
+    /// Which controllers: a preset, or `file` for the settings of a scenario file
+    pub preset: String,
     /// Which robots
-    pub testbed: &'static str,
+    pub testbed: String,
     /// Which scenario
     pub scenario: String,
     /// Which disturbances
@@ -154,29 +161,37 @@ pub struct Violation {
     pub lane_clearance_m: f64,
 }
 
-/// The scenarios of some testbeds that have one of some names, or any where none is given.
-///
-/// # Errors
-///
-/// A name that none of the testbeds has.
-pub fn scenarios_of(
-    testbeds: &[Testbed],
-    names: &[String],
-) -> Result<Vec<(Testbed, String)>, Error> {
-    let mut found = Vec::new();
-    for testbed in testbeds {
-        let wanted = |name: &&&str| names.is_empty() || names.iter().any(|n| n == **name);
-        let own = testbed.scenarios().iter().filter(wanted);
-        found.extend(own.map(|name| (*testbed, (*name).to_owned())));
-    }
-    for name in names {
-        if !found.iter().any(|(_, known)| known == name) {
-            for testbed in testbeds {
-                testbed.scenario(name, Preset::Thesis)?;
+impl NamedScenario {
+    /// Built-in scenarios of some testbeds with one of some names, or all where none is given.
+    ///
+    /// # Errors
+    ///
+    /// A name that none of the testbeds has.
+    pub fn built_in(
+        testbeds: &[Testbed],
+        names: &[String],
+        preset: Preset,
+    ) -> Result<Vec<Self>, Error> {
+        let mut found = Vec::new();
+        for testbed in testbeds {
+            let wanted = |name: &&&str| names.is_empty() || names.iter().any(|n| n == **name);
+            for name in testbed.scenarios().iter().filter(wanted) {
+                found.push(Self {
+                    name: (*name).to_owned(),
+                    preset: preset.name().to_owned(),
+                    spec: testbed.scenario(name, preset)?,
+                });
             }
         }
+        for name in names {
+            if !found.iter().any(|known| known.name == *name) {
+                for testbed in testbeds {
+                    testbed.scenario(name, Preset::Thesis)?;
+                }
+            }
+        }
+        Ok(found)
     }
-    Ok(found)
 }
 
 impl Campaign {
@@ -197,27 +212,49 @@ impl Campaign {
             histograms: Vec::new(),
             violations: Vec::new(),
         };
-        for &preset in &self.presets {
-            let scenarios = self.scenarios(preset)?;
+        for preset in self.presets() {
+            let own: Vec<&NamedScenario> = self.of(preset).collect();
+            let scenarios = scenarios(&own)?;
             for &group in &self.groups {
                 let summaries = self.summaries(&scenarios, group, done)?;
                 report.runs += summaries.len();
-                self.add(&mut report, preset, group, &summaries);
+                report.simulated_s += simulated_s(&scenarios, self.runs);
+                self.add(&mut report, &own, group, &summaries);
             }
         }
-        report.simulated_s = report.runs as f64 * self.duration_s;
         report.seconds = start.elapsed().as_secs_f64();
         report.simulated_s_per_s = report.simulated_s / report.seconds;
         Ok(report)
     }
 
-    fn scenarios(&self, preset: Preset) -> Result<Vec<Scenario>, Error> {
-        let scenario = |(testbed, name): &(Testbed, String)| {
-            let mut spec = testbed.scenario(name, preset)?;
-            spec.duration_s = self.duration_s;
-            Ok(Scenario::new(spec)?)
-        };
-        self.scenarios.iter().map(scenario).collect()
+    /// Number of runs in all.
+    #[must_use]
+    pub fn work(&self) -> usize {
+        self.runs * self.presets().len() * self.groups.len()
+    }
+
+    /// Scenarios that are not run because there are more of them than runs.
+    #[must_use]
+    pub fn idle(&self) -> usize {
+        let presets = self.presets().into_iter();
+        let idle = presets.map(|preset| self.of(preset).count().saturating_sub(self.runs));
+        idle.sum()
+    }
+
+    /// In the order in which they first occur.
+    fn presets(&self) -> Vec<&str> {
+        let mut presets: Vec<&str> = Vec::new();
+        for scenario in &self.scenarios {
+            if !presets.contains(&scenario.preset.as_str()) {
+                presets.push(&scenario.preset);
+            }
+        }
+        presets
+    }
+
+    fn of(&self, preset: &str) -> impl Iterator<Item = &NamedScenario> {
+        let scenarios = self.scenarios.iter();
+        scenarios.filter(move |scenario| scenario.preset == preset)
     }
 
     fn summaries(
@@ -243,38 +280,41 @@ impl Campaign {
     fn add(
         &self,
         report: &mut CampaignReport,
-        preset: Preset,
+        scenarios: &[&NamedScenario],
         disturbance: Group,
         summaries: &[Summary],
     ) {
+        let Some(preset) = scenarios.first().map(|first| &first.preset) else {
+            return;
+        };
         report.totals.push(Total {
-            preset,
+            preset: preset.clone(),
             disturbance,
             tally: Tally::new(&summaries.iter().collect::<Vec<_>>()),
         });
-        for (index, (testbed, scenario)) in self.scenarios.iter().enumerate() {
-            let own = summaries.iter().skip(index).step_by(self.scenarios.len());
+        for (index, scenario) in scenarios.iter().enumerate() {
+            let own = summaries.iter().skip(index).step_by(scenarios.len());
             report.rows.push(Row {
-                preset,
+                preset: preset.clone(),
                 disturbance,
-                testbed: testbed.name(),
-                scenario: scenario.clone(),
+                testbed: scenario.spec.testbed.clone(),
+                scenario: scenario.name.clone(),
                 tally: Tally::new(&own.collect::<Vec<_>>()),
             });
         }
         report.histograms.push(Histograms {
-            preset,
+            preset: preset.clone(),
             disturbance,
             headway_mm: Histogram::new(summaries.iter().filter_map(|s| s.min_h_headway_m)),
             clearance_mm: Histogram::new(summaries.iter().map(|s| s.lane_clearance_m)),
         });
         let unsafe_runs = summaries.iter().enumerate().filter(|(_, s)| !s.safe);
         let violations = unsafe_runs.take(LISTED).map(|(index, summary)| {
-            let (testbed, scenario) = &self.scenarios[index % self.scenarios.len()];
+            let scenario = scenarios[index % scenarios.len()];
             Violation {
-                preset,
-                testbed: testbed.name(),
-                scenario: scenario.clone(),
+                preset: preset.clone(),
+                testbed: scenario.spec.testbed.clone(),
+                scenario: scenario.name.clone(),
                 disturbance,
                 seed: self.seed + index as u64,
                 first_unsafe_s: summary.first_unsafe_s,
@@ -284,6 +324,22 @@ impl Campaign {
         });
         report.violations.extend(violations);
     }
+}
+
+fn scenarios(named: &[&NamedScenario]) -> Result<Vec<Scenario>, Error> {
+    let scenario = |named: &&NamedScenario| {
+        Scenario::new(named.spec.clone()).map_err(|source| Error::NamedScenario {
+            name: named.name.clone(),
+            source,
+        })
+    };
+    named.iter().map(scenario).collect()
+}
+
+/// Of runs that go round the scenarios, in s.
+fn simulated_s(scenarios: &[Scenario], runs: usize) -> f64 {
+    let durations_s = scenarios.iter().map(|scenario| scenario.spec().duration_s);
+    durations_s.cycle().take(runs).sum()
 }
 
 impl Tally {

@@ -73,6 +73,14 @@ pub enum Error {
     /// A scenario that cannot be.
     #[error("scenario: {0}")]
     Scenario(#[from] unicycle_cbf::Error),
+    /// One of several scenarios that cannot be.
+    #[error("scenario `{name}`: {source}")]
+    NamedScenario {
+        /// Its name or file.
+        name: String,
+        /// What is wrong with it.
+        source: unicycle_cbf::Error,
+    },
     /// The settings in a run log are none.
     #[error("the settings in the run log: {0}; is it one of `ctrl run`?")]
     Meta(String),

@@ -43,7 +43,7 @@ mod tick;
 mod timing;
 
 pub use campaign::{
-    Campaign, CampaignReport, Histogram, Histograms, Row, Tally, Total, Violation, scenarios_of,
+    Campaign, CampaignReport, Histogram, Histograms, NamedScenario, Row, Tally, Total, Violation,
 };
 pub use convoy::Convoy;
 pub use disturbances::{Disturbances, Group};

@@ -218,27 +218,34 @@ impl Testbed {
     }
 
     fn controller(self, course: &Course, preset: Preset) -> ControllerSettings {
-        let thesis = self.thesis(course);
-        match preset {
-            Preset::Thesis => thesis,
-            Preset::Hardened => hardened(thesis),
+        preset.applied_to(&self.thesis(course), &self.body())
+    }
+
+    /// The one whose robots have the wheel base that is nearest to this body's.
+    fn like(body: &Body) -> Self {
+        let off_m = |testbed: Self| (testbed.body().wheel_base_m - body.wheel_base_m).abs();
+        if off_m(Self::Khepera) < off_m(Self::Robotarium) {
+            Self::Khepera
+        } else {
+            Self::Robotarium
+        }
+    }
+
+    /// The thesis's lane barrier, and the margins that are taken off headway and lane by hand, in m.
+    fn by_hand(self) -> (LaneBarrier, [f64; 2]) {
+        match self {
+            Self::Khepera => (LaneBarrier::QUADRATIC, [5e-3, 0.0]),
+            Self::Robotarium => (LaneBarrier::BRAKING, [3e-3, 1e-3]),
         }
     }
 
     /// The thesis's program with parameters that work: it does not name `a`, `m`, `I_z`, `a_max`, `γ` and all weights.
     fn thesis(self, course: &Course) -> ControllerSettings {
-        let (barrier, weights, margins) = match self {
-            Self::Khepera => (
-                LaneBarrier::QUADRATIC,
-                [1.0, 1.0, 1e5, 1.0, 1e3],
-                [5e-3, 0.0],
-            ),
-            Self::Robotarium => (
-                LaneBarrier::BRAKING,
-                [1.0, 1.0, 1e5, 0.1, 1e6],
-                [3e-3, 1e-3],
-            ),
+        let weights = match self {
+            Self::Khepera => [1.0, 1.0, 1e5, 1.0, 1e3],
+            Self::Robotarium => [1.0, 1.0, 1e5, 0.1, 1e6],
         };
+        let (barrier, margins) = self.by_hand();
         ControllerSettings {
             convergence_1ps: [1.0; 3],
             weights,
@@ -272,31 +279,51 @@ struct Course {
     lead: f64,
 }
 
-fn hardened(thesis: ControllerSettings) -> ControllerSettings {
-    let half_width_m = thesis.lane.half_width_m;
-    ControllerSettings {
-        headway: HeadwaySettings {
-            margin_m: 2e-3,
-            ..thesis.headway
-        },
-        lane: LaneSettings {
-            margin_m: 0.1 * half_width_m,
-            ..thesis.lane.with(LaneBarrier::EXPONENTIAL)
-        },
-        hardening: Hardening {
-            wheel_rows: true,
-            sampling_margin: true,
-            predict: true,
-            position_gain: 0.35,
-            heading_gain: 0.35,
-            max_pose_age_s: Some(0.3),
-            position_noise_m: 3e-3,
-            heading_noise_rad: 0.5_f64.to_radians(),
-            wheel_error: 0.1,
-            cautious_leader: true,
-            max_course_angle_rad: Some(80.0_f64.to_radians()),
-            start_at_desired_speed: false,
-        },
-        ..thesis
+impl Preset {
+    /// Settings with the lane barrier, the margins and the guards of this preset. What else they say stays: lane, headway, weights,
+    /// rates. For the hardened one so do larger bounds on noise and wheels, the watchdog's time and the largest angle to the path.
+    /// The thesis's barrier and margins are those of the testbed whose robots are most like this body.
+    #[must_use]
+    pub fn applied_to(self, settings: &ControllerSettings, body: &Body) -> ControllerSettings {
+        let (barrier, margins, hardening) = match self {
+            Self::Thesis => {
+                let (barrier, margins) = Testbed::like(body).by_hand();
+                (barrier, margins, Hardening::NONE)
+            }
+            Self::Hardened => (
+                LaneBarrier::EXPONENTIAL,
+                [2e-3, 0.1 * settings.lane.half_width_m],
+                hardened(&settings.hardening),
+            ),
+        };
+        ControllerSettings {
+            headway: HeadwaySettings {
+                margin_m: margins[0],
+                ..settings.headway
+            },
+            lane: LaneSettings {
+                margin_m: margins[1],
+                ..settings.lane.with(barrier)
+            },
+            hardening,
+            ..settings.clone()
+        }
+    }
+}
+
+fn hardened(stated: &Hardening) -> Hardening {
+    Hardening {
+        wheel_rows: true,
+        sampling_margin: true,
+        predict: true,
+        position_gain: 0.35,
+        heading_gain: 0.35,
+        max_pose_age_s: stated.max_pose_age_s.or(Some(0.3)),
+        position_noise_m: stated.position_noise_m.max(3e-3),
+        heading_noise_rad: stated.heading_noise_rad.max(0.5_f64.to_radians()),
+        wheel_error: stated.wheel_error.max(0.1),
+        cautious_leader: true,
+        max_course_angle_rad: stated.max_course_angle_rad.or(Some(80.0_f64.to_radians())),
+        start_at_desired_speed: false,
     }
 }

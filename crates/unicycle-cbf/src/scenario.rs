@@ -255,7 +255,7 @@ impl Scenario {
             return Err(Error::Start {
                 robot: robot + 1,
                 what: format!(
-                    "starts {:.3} m ahead of robot {robot}, which it shall follow; list robots from the front",
+                    "starts {:.3} m ahead of the one before it in the list, which it shall follow; list robots from the front",
                     -gap_m
                 ),
             });

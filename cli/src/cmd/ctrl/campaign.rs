@@ -2,10 +2,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, Tally, Violation, scenarios_of};
-use unicycle_cbf::Testbed;
+use testbed_io::{Campaign, CampaignReport, Disturbances, Tally, Violation};
 
 use super::scenario::{Disturbance, PresetName, TestbedName};
+use super::scenarios::{Wanted, shell_word};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
@@ -23,16 +23,18 @@ use crate::render::table::{Table, number};
 Examples:
   drivekit ctrl campaign --runs 10000 --report campaign.html
   drivekit ctrl campaign --preset thesis,hardened --disturb none,noise,latency,drops,outages,mismatch,all
-  drivekit ctrl campaign --testbed khepera --scenario decay --runs 2000 --seed 100000")]
+  drivekit ctrl campaign --testbed khepera --scenario decay --runs 2000 --seed 100000
+  drivekit ctrl campaign --scenario mine.toml others/ --preset hardened     files, and folders of them")]
 pub(crate) struct CampaignArgs {
-    /// Which robots; all if left out
+    /// Which robots of built-in scenarios; all if left out
     #[arg(long, value_enum, value_delimiter = ',')]
     testbed: Vec<TestbedName>,
-    /// Scenarios by name; all if left out
-    #[arg(long, value_delimiter = ',', value_name = "NAME")]
+    /// Built-in scenarios by name, scenario files, and folders, which are searched to the bottom for files; every built-in scenario if
+    /// left out
+    #[arg(long, value_delimiter = ',', num_args = 1.., value_name = "NAME|FILE.toml|FOLDER")]
     scenario: Vec<String>,
-    /// Settings of the controllers
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "hardened")]
+    /// Settings of the controllers [default: hardened; scenario files as they are]
+    #[arg(long, value_enum, value_delimiter = ',')]
     preset: Vec<PresetName>,
     /// Disturbances, each a row of the table
     #[arg(
@@ -46,9 +48,9 @@ pub(crate) struct CampaignArgs {
     /// Runs for each preset and group of disturbances
     #[arg(long, default_value_t = 1000, value_name = "N")]
     runs: usize,
-    /// Length of each run, in s
-    #[arg(long, default_value_t = 60.0, value_name = "S")]
-    duration: f64,
+    /// Length of each run, in s [default: 60, or that of the file]
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
     /// Seed of the first run; the next ones count up
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -62,15 +64,22 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     if let Some(path) = &args.report {
         output::check_file_place(path)?;
     }
-    let campaign = args.campaign()?;
-    let work = campaign.runs * campaign.presets.len() * campaign.groups.len();
-    let progress = Progress::new(context, "running", work);
+    let campaign = args.campaign(context)?;
+    if campaign.idle() > 0 {
+        let text = format!(
+            "{} scenarios are not run: --runs {} is less than there are",
+            campaign.idle(),
+            campaign.runs
+        );
+        output::note(context, &text);
+    }
+    let progress = Progress::new(context, "running", campaign.work());
     let report = campaign.run(&|| progress.step())?;
     drop(progress);
     let violations = report.violations.iter();
     let body = Body {
         seed: args.seed,
-        duration_s: args.duration,
+        duration_s: duration_s(&campaign),
         report: &report,
         violations: violations.map(|v| Listed::new(v, args.duration)).collect(),
     };
@@ -96,29 +105,37 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
 }
 
 impl CampaignArgs {
-    fn campaign(&self) -> anyhow::Result<Campaign> {
-        let testbeds: Vec<Testbed> = if self.testbed.is_empty() {
-            Testbed::ALL.to_vec()
-        } else {
-            self.testbed.iter().map(|name| (*name).into()).collect()
-        };
+    fn campaign(&self, context: &Context) -> anyhow::Result<Campaign> {
         anyhow::ensure!(self.runs > 0, "--runs has to be 1 or more");
+        let wanted = Wanted {
+            scenarios: &self.scenario,
+            testbeds: self.testbed.iter().map(|name| (*name).into()).collect(),
+            presets: &self.preset,
+            duration_s: self.duration,
+        };
         Ok(Campaign {
-            scenarios: scenarios_of(&testbeds, &self.scenario)?,
-            presets: self.preset.iter().map(|name| (*name).into()).collect(),
+            scenarios: wanted.named(context)?,
             groups: self.disturb.iter().map(|name| (*name).into()).collect(),
             runs: self.runs,
-            duration_s: self.duration,
             seed: self.seed,
             disturbances: Disturbances::HARD,
         })
     }
 }
 
+/// Of each run, if all are as long.
+fn duration_s(campaign: &Campaign) -> Option<f64> {
+    let mut durations_s = campaign.scenarios.iter().map(|named| named.spec.duration_s);
+    let first_s = durations_s.next()?;
+    durations_s
+        .all(|duration_s| duration_s.total_cmp(&first_s).is_eq())
+        .then_some(first_s)
+}
+
 #[derive(Serialize)]
 struct Body<'a> {
     seed: u64,
-    duration_s: f64,
+    duration_s: Option<f64>,
     #[serde(flatten)]
     report: &'a CampaignReport,
     violations: Vec<Listed<'a>>,
@@ -133,19 +150,30 @@ struct Listed<'a> {
 }
 
 impl<'a> Listed<'a> {
-    fn new(violation: &'a Violation, duration_s: f64) -> Self {
+    fn new(violation: &'a Violation, duration_s: Option<f64>) -> Self {
         let Violation {
             testbed,
             scenario,
+            preset,
             seed,
             ..
         } = violation;
+        let of_file = scenario.contains('.') || scenario.contains('/');
+        let what = if of_file {
+            format!("--scenario {}", shell_word(scenario))
+        } else {
+            format!("--testbed {testbed} --scenario {scenario}")
+        };
+        let with = match preset.as_str() {
+            "file" => String::new(),
+            preset => format!(" --preset {preset}"),
+        };
+        let long = duration_s.map_or_else(String::new, |s| format!(" --duration {s}"));
+        let disturbance = violation.disturbance.name();
         Self {
             violation,
             command: format!(
-                "drivekit ctrl run --testbed {testbed} --scenario {scenario} --preset {} --disturb {} --seed {seed} --duration {duration_s}",
-                violation.preset.name(),
-                violation.disturbance.name()
+                "drivekit ctrl run {what}{with} --disturb {disturbance} --seed {seed}{long}"
             ),
         }
     }
@@ -190,14 +218,14 @@ fn table(
 
 fn text(report: &CampaignReport, violations: &[Listed]) -> String {
     let totals = report.totals.iter().map(|total| {
-        let names = [total.preset.name(), total.disturbance.name()];
+        let names = [total.preset.as_str(), total.disturbance.name()];
         (names.map(str::to_owned).to_vec(), cells(&total.tally))
     });
     let rows = report.rows.iter().map(|row| {
         let names = [
-            row.preset.name(),
+            row.preset.as_str(),
             row.disturbance.name(),
-            row.testbed,
+            &row.testbed,
             &row.scenario,
         ];
         (names.map(str::to_owned).to_vec(), cells(&row.tally))

@@ -15,6 +15,7 @@ use testbed_io::log_file::Journal;
 use testbed_io::{Figures, RunSpec, Summary, Tick};
 use unicycle_cbf::Scenario;
 
+use super::guards;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
@@ -28,7 +29,7 @@ const MAX_POSE_AGE_S: f64 = 0.3;
 #[command(next_help_heading = "Real robots")]
 pub(crate) struct LiveArgs {
     /// Run on the testbed that this file describes; see --show-link. Controllers are hardened unless --preset or the scenario file
-    /// says otherwise
+    /// says otherwise, which is then said
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["disturb", "seed"])]
     pub(crate) live: Option<PathBuf>,
     /// Print a file for --live to start from, and end
@@ -87,11 +88,14 @@ impl LiveArgs {
                 "the scenario asks for disturbances, which only simulated robots have; take them out, or leave --live out"
             );
         }
+        for text in guards::missing(&spec.scenario.controller) {
+            output::note(context, &text);
+        }
         let hardening = &mut spec.scenario.controller.hardening;
         if hardening.max_pose_age_s.is_none() {
             hardening.max_pose_age_s = Some(MAX_POSE_AGE_S);
             let text = format!(
-                "the controllers have no watchdog; on real robots they stop after {MAX_POSE_AGE_S} s without a pose"
+                "no watchdog in these settings: on real robots they stop after {MAX_POSE_AGE_S} s without a pose"
             );
             output::note(context, &text);
         }
@@ -275,6 +279,17 @@ fn untold(report: &LiveReport) -> Option<String> {
     let ids = ids.collect::<Vec<_>>().join(", ");
     let text = || format!("robots {ids} may not have got the command to stand: STOP THEM BY HAND");
     (!report.untold.is_empty()).then(text)
+}
+
+/// Who sits before real robots knows them by their ids.
+pub(crate) fn by_id(error: unicycle_cbf::Error, link: Option<&LinkSpec>) -> anyhow::Error {
+    let unicycle_cbf::Error::Start { robot, what } = &error else {
+        return error.into();
+    };
+    match link.and_then(|link| link.robots.get(*robot)) {
+        Some(id) => anyhow::anyhow!("robot {id} {what}"),
+        None => error.into(),
+    }
 }
 
 /// A link that was lost, or robots that may still move, are errors.

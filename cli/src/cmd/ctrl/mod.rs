@@ -2,10 +2,12 @@
 
 mod campaign;
 mod explain;
+mod guards;
 mod live;
 mod replay;
 mod run;
 mod scenario;
+mod scenarios;
 
 use clap::Subcommand;
 

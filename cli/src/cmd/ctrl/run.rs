@@ -31,7 +31,7 @@ Examples:
   drivekit ctrl run --show-link khepera > lab.toml                       who and where the real robots are
   drivekit ctrl run --live lab.toml --view -o run.mcap                   real robots, with a page to watch and stop them")]
 pub(crate) struct RunArgs {
-    /// Print the scenario as a file and end
+    /// Print what would be run, as a file for --scenario, and end
     #[arg(long)]
     #[serde(skip)]
     show_config: bool,
@@ -66,9 +66,15 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         return Ok(Outcome::Done);
     }
     let named = args.named(context)?;
-    let scenario = Scenario::new(named.spec.scenario.clone())?;
+    let scenario = Scenario::new(named.spec.scenario.clone());
+    let scenario = scenario.map_err(|error| live::by_id(error, named.spec.link.as_ref()))?;
     if args.show_config {
-        output::print_text(&toml::to_string(&named.spec)?)?;
+        // Where robots are is the business of another file.
+        let spec = RunSpec {
+            link: None,
+            ..named.spec
+        };
+        output::print_text(&toml::to_string(&spec)?)?;
         return Ok(Outcome::Done);
     }
     if let Some(bend_m) = scenario.tight_bend_m() {

@@ -6,7 +6,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use testbed_io::{Disturbances, Group, RunSpec};
-use unicycle_cbf::{PathSpec, Preset, Testbed};
+use unicycle_cbf::{PathSpec, Preset, ScenarioSpec, Testbed};
 
 /// A built-in scenario or a file.
 #[derive(Debug, Args, Serialize)]
@@ -18,7 +18,7 @@ pub(crate) struct ScenarioArgs {
     /// on-off, decay, track (Robotarium), straight, chain, brake, stop, or a TOML file as `ctrl run --show-config` prints it
     #[arg(long, default_value = "on-off", value_name = "NAME|FILE.toml")]
     pub(crate) scenario: String,
-    /// Settings of the controllers: the thesis's, or with every guard [default: thesis; with --live hardened]
+    /// Settings of the controllers: the thesis's, or with every guard [default: thesis; with --live hardened; a file as it is]
     #[arg(long, value_enum)]
     pub(crate) preset: Option<PresetName>,
     /// Closed path in place of the scenario's: CSV with x and y in m, in the order of travel
@@ -141,18 +141,28 @@ impl ScenarioArgs {
     }
 
     fn file(&self) -> anyhow::Result<Named> {
-        if self.testbed.is_some() || self.preset.is_some() {
+        if self.testbed.is_some() {
             bail!(
-                "`{}` says which robots and settings; leave --testbed and --preset out, or name a built-in scenario",
+                "`{}` says which robots; leave --testbed out, or name a built-in scenario",
                 self.scenario
             );
         }
+        let mut spec = from_file(Path::new(&self.scenario))?;
+        if let Some(preset) = self.preset {
+            apply(preset, &mut spec.scenario);
+        }
         Ok(Named {
-            spec: from_file(Path::new(&self.scenario))?,
-            preset: None,
+            spec,
+            preset: self.preset,
             figures: &[],
         })
     }
+}
+
+/// Gives a scenario the settings of a preset.
+pub(crate) fn apply(preset: PresetName, scenario: &mut ScenarioSpec) {
+    let preset = Preset::from(preset);
+    scenario.controller = preset.applied_to(&scenario.controller, &scenario.body);
 }
 
 /// A scenario file, see `ctrl run --show-config`.

@@ -1,15 +1,14 @@
 //! Campaigns: counts, reproducibility, and that the hardened preset holds.
 
-use testbed_io::{Campaign, Disturbances, Group, RunSpec, scenarios_of};
+use testbed_io::{Campaign, Disturbances, Group, NamedScenario, RunSpec};
 use unicycle_cbf::{Preset, Testbed};
 
 fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
+    let of = |preset: &Preset| NamedScenario::built_in(&Testbed::ALL, &[], *preset).unwrap();
     Campaign {
-        scenarios: scenarios_of(&Testbed::ALL, &[]).unwrap(),
-        presets: presets.to_vec(),
+        scenarios: presets.iter().flat_map(of).collect(),
         groups: groups.to_vec(),
         runs,
-        duration_s: 60.0,
         seed: 1000,
         disturbances: Disturbances::HARD,
     }
@@ -55,7 +54,7 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
         let spec = RunSpec {
             seed: violation.seed,
             scenario: testbed
-                .scenario(&violation.scenario, violation.preset)
+                .scenario(&violation.scenario, Preset::Thesis)
                 .unwrap(),
             disturbances: Disturbances::HARD.only(violation.disturbance),
             link: None,

@@ -123,7 +123,10 @@ fn a_leader_that_starts_behind_is_refused() {
     let error = Scenario::new(spec).unwrap_err();
     assert!(matches!(error, Error::Start { robot: 1, .. }));
     let text = error.to_string();
-    assert!(text.contains("0.600 m ahead of robot 0"), "{text}");
+    assert!(
+        text.contains("0.600 m ahead of the one before it"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -1,0 +1,179 @@
+//! Many scenarios at once: built-in ones by name, files, and folders of files.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail, ensure};
+use testbed_io::NamedScenario;
+use unicycle_cbf::Testbed;
+
+use super::scenario::{PresetName, apply, from_file};
+use crate::flags::Context;
+use crate::output;
+
+/// Deepest folder in a folder, so that links that go round end.
+const DEEPEST: usize = 32;
+
+/// What scenarios are asked for, and with which controllers.
+pub(crate) struct Wanted<'a> {
+    /// Names, files and folders; all built-in scenarios where there are none
+    pub(crate) scenarios: &'a [String],
+    /// Of built-in scenarios; all where there are none
+    pub(crate) testbeds: Vec<Testbed>,
+    /// Without any, built-in scenarios are hardened and files are taken as they are
+    pub(crate) presets: &'a [PresetName],
+    /// In place of each scenario's own, in s
+    pub(crate) duration_s: Option<f64>,
+}
+
+impl Wanted<'_> {
+    /// Built-in scenarios first, then files, each with every preset.
+    pub(crate) fn named(&self, context: &Context) -> anyhow::Result<Vec<NamedScenario>> {
+        let (files, names): (Vec<&String>, Vec<&String>) =
+            self.scenarios.iter().partition(|text| is_path(text));
+        let names: Vec<String> = names.into_iter().cloned().collect();
+        let mut found = Vec::new();
+        if files.is_empty() || !names.is_empty() {
+            found.extend(self.built_in(&names)?);
+        } else if !self.testbeds.is_empty() {
+            bail!("files say which robots; leave --testbed out, or name built-in scenarios too");
+        }
+        for file in files_of(&files, context)? {
+            found.extend(self.of_file(&file)?);
+        }
+        if let Some(duration_s) = self.duration_s {
+            for scenario in &mut found {
+                scenario.spec.duration_s = duration_s;
+            }
+        }
+        Ok(found)
+    }
+
+    fn built_in(&self, names: &[String]) -> anyhow::Result<Vec<NamedScenario>> {
+        let testbeds = match self.testbeds.as_slice() {
+            [] => &Testbed::ALL,
+            some => some,
+        };
+        let presets = match self.presets {
+            [] => &[PresetName::Hardened],
+            some => some,
+        };
+        let mut found = Vec::new();
+        for preset in presets {
+            let preset = (*preset).into();
+            found.extend(NamedScenario::built_in(testbeds, names, preset)?);
+        }
+        Ok(found)
+    }
+
+    fn of_file(&self, file: &Path) -> anyhow::Result<Vec<NamedScenario>> {
+        let run = from_file(file)?;
+        ensure!(
+            run.link.is_none(),
+            "`{}` was run on real robots: take [link] out of the file",
+            file.display()
+        );
+        let as_it_is = NamedScenario {
+            name: file.display().to_string(),
+            preset: "file".to_owned(),
+            spec: run.scenario,
+        };
+        if self.presets.is_empty() {
+            return Ok(vec![as_it_is]);
+        }
+        let with = self.presets.iter().map(|preset| {
+            let mut scenario = as_it_is.clone();
+            apply(*preset, &mut scenario.spec);
+            unicycle_cbf::Preset::from(*preset)
+                .name()
+                .clone_into(&mut scenario.preset);
+            scenario
+        });
+        Ok(with.collect())
+    }
+}
+
+fn is_path(text: &str) -> bool {
+    let path = Path::new(text);
+    is_toml(path) || path.is_dir() || text.contains(['/', '\\'])
+}
+
+fn is_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// In the order of the arguments, those of a folder sorted; each file once.
+fn files_of(arguments: &[&String], context: &Context) -> anyhow::Result<Vec<PathBuf>> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for argument in arguments {
+        let path = Path::new(argument);
+        let found = if path.is_dir() {
+            scenarios_in(path, context)?
+        } else {
+            vec![path.to_owned()]
+        };
+        for file in found {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+    }
+    Ok(files)
+}
+
+/// A folder may hold other files of settings, those of links for example, which are named.
+fn scenarios_in(folder: &Path, context: &Context) -> anyhow::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    search(folder, 0, &mut files)?;
+    files.sort();
+    let mut scenarios = Vec::new();
+    for file in files {
+        if is_scenario(&file)? {
+            scenarios.push(file);
+        } else {
+            let text = format!("left out, without [scenario]: {}", file.display());
+            output::note(context, &text);
+        }
+    }
+    ensure!(
+        !scenarios.is_empty(),
+        "no scenario in the folder `{}`; looked for files ending in .toml, to the bottom",
+        folder.display()
+    );
+    Ok(scenarios)
+}
+
+fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
+    let failed = || format!("cannot list the folder `{}`", folder.display());
+    ensure!(
+        depth <= DEEPEST,
+        "more than {DEEPEST} folders in each other at `{}`; does a link go round?",
+        folder.display()
+    );
+    for entry in folder.read_dir().with_context(failed)? {
+        let path = entry.with_context(failed)?.path();
+        if path.is_dir() {
+            search(&path, depth + 1, files)?;
+        } else if is_toml(&path) {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// What cannot be read as TOML is meant to be one, and its error is the user's to see.
+fn is_scenario(file: &Path) -> anyhow::Result<bool> {
+    let text = std::fs::read_to_string(file)
+        .with_context(|| format!("cannot read the scenario `{}`", file.display()))?;
+    let table = text.parse::<toml::Table>();
+    Ok(table.map_or(true, |table| table.contains_key("scenario")))
+}
+
+/// A word of a command that a shell takes as it is.
+pub(crate) fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=+,@".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.to_owned();
+    }
+    format!("'{}'", text.replace('\'', r"'\''"))
+}

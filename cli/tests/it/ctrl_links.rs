@@ -1,0 +1,1 @@
+//! Links of live sessions that fail or are not ready: what is said, and how soon.
