@@ -276,7 +276,7 @@ fn every_link_that_is_shown_can_be_read() {
         ("khepera", "no answer to the first request"),
         ("robotarium", "1883"),
         ("robotarium-udp", "1883"),
-        ("program", "not seen"),
+        ("program", "has ended before every robot was seen"),
         ("recording", "run.mcap"),
     ];
     let runs = kinds.map(|(kind, problem)| {

@@ -83,7 +83,8 @@ impl<'a> Drive<'a> {
             }
             let waited = start.elapsed();
             self.link.is_there(waited.as_secs_f64(), lost_after_s)?;
-            if self.is_too_long(waited) || self.link.has_ended() {
+            let ready_told = self.link.inbox.getting_ready_told();
+            if is_too_long(waited, ready_told) || self.link.has_ended() {
                 return Err(not_seen(&missing, &self.link.inbox.counts()));
             }
             if !told && start.elapsed() > WAITING {
@@ -174,19 +175,6 @@ impl<'a> Drive<'a> {
             commands: self.link.commands.counts(),
         };
         (self.summary.finished(), report)
-    }
-
-    fn is_too_long(&self, waited: Duration) -> bool {
-        let inbox = &self.link.inbox;
-        let silent_s = inbox
-            .getting_ready_s()
-            .map(|told_s| inbox.clock().now_s() - told_s);
-        let patience = if silent_s.is_some_and(|silent_s| silent_s < APPEAR.as_secs_f64()) {
-            GETTING_READY
-        } else {
-            APPEAR
-        };
-        waited > patience
     }
 
     fn pass_notes(&self, update: &mut impl FnMut(Update)) {
@@ -328,6 +316,12 @@ fn command(tick: &Tick) -> Command {
     }
 }
 
+/// `ready_told` is how long ago the other side said last that robots are getting ready.
+fn is_too_long(waited: Duration, ready_told: Option<Duration>) -> bool {
+    let getting_ready = ready_told.is_some_and(|told| told < APPEAR);
+    waited > if getting_ready { GETTING_READY } else { APPEAR }
+}
+
 fn not_seen(ids: &[u32], counts: &Counts) -> Error {
     let dropped = counts.dropped();
     let dropped = dropped
@@ -349,4 +343,27 @@ fn not_seen(ids: &[u32], counts: &Counts) -> Error {
 fn names(ids: &[u32]) -> String {
     let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
     names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Duration, is_too_long};
+
+    #[test]
+    fn robots_that_get_ready_have_more_time_but_not_for_ever() {
+        let seconds = Duration::from_secs;
+        for (waited_s, told_s, too_long) in [
+            (59, None, false),
+            (61, None, true),
+            (61, Some(1), false),
+            (299, Some(1), false),
+            (301, Some(1), true),
+            // It said so once, and then no more.
+            (59, Some(50), false),
+            (70, Some(65), true),
+        ] {
+            let found = is_too_long(seconds(waited_s), told_s.map(seconds));
+            assert_eq!(found, too_long, "{waited_s} s, told {told_s:?} s ago");
+        }
+    }
 }

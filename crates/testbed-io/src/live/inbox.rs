@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use unicycle_cbf::{Pose, StampedPose};
 
@@ -120,10 +121,10 @@ impl Inbox {
         }
     }
 
-    /// When somebody said last that robots are getting ready, on this clock.
-    pub(super) fn getting_ready_s(&self) -> Option<f64> {
-        let state = self.lock();
-        state.getting_ready.as_ref().map(|(told_s, _)| *told_s)
+    /// How long ago somebody said last that robots are getting ready.
+    pub(super) fn getting_ready_told(&self) -> Option<Duration> {
+        let told_s = self.lock().getting_ready.as_ref()?.0;
+        Duration::try_from_secs_f64(self.clock.now_s() - told_s).ok()
     }
 
     /// A pose that arrived at `arrival_s`; what cannot be true is counted and dropped.

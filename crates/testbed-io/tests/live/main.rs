@@ -9,6 +9,7 @@
     unreachable_pub
 )]
 
+mod gone;
 mod json;
 mod khepera;
 mod khepera_faults;
@@ -16,6 +17,7 @@ mod khepera_peer;
 mod mosquitto;
 mod mqtt;
 mod mqtt_faults;
+mod mqtt_login;
 mod natnet_client;
 mod natnet_faults;
 mod natnet_filler;

@@ -18,6 +18,25 @@ pub struct Mosquitto {
 impl Mosquitto {
     /// None, with a note, where mosquitto is not installed; then a panic instead if `DRIVEKIT_REQUIRE_MOSQUITTO` is set.
     pub fn start() -> Option<Self> {
+        Self::start_with(|_| "allow_anonymous true\n".to_owned())
+    }
+
+    /// One that lets only this user in.
+    pub fn start_for(user: &str, password: &str) -> Option<Self> {
+        Self::start_with(|folder| {
+            let file = folder.join("passwords");
+            let mut command = Command::new("mosquitto_passwd");
+            let made = command.args(["-c", "-b"]).arg(&file).args([user, password]);
+            assert!(made.status().unwrap().success());
+            // It would become a user who may not read the file.
+            format!(
+                "user root\nallow_anonymous false\npassword_file {}\n",
+                file.display()
+            )
+        })
+    }
+
+    fn start_with(access: impl FnOnce(&Path) -> String) -> Option<Self> {
         let Some(program) = program() else {
             let required = std::env::var_os("DRIVEKIT_REQUIRE_MOSQUITTO").is_some();
             assert!(!required, "mosquitto is not installed");
@@ -26,9 +45,9 @@ impl Mosquitto {
         };
         let port = free_port();
         let folder = tempfile::tempdir().unwrap();
-        let settings = format!(
-            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence false\nlog_dest none\n"
-        );
+        let access = access(folder.path());
+        let settings =
+            format!("listener {port} 127.0.0.1\npersistence false\nlog_dest none\n{access}");
         std::fs::write(folder.path().join("mosquitto.conf"), settings).unwrap();
         let mut broker = Self {
             program,
