@@ -109,6 +109,18 @@ impl Counts {
             .collect()
     }
 
+    /// For messages.
+    pub(super) fn text(&self) -> String {
+        let dropped = self.dropped().into_iter();
+        let dropped: String = dropped
+            .map(|(reason, count)| format!(", {count} {reason}"))
+            .collect();
+        format!(
+            "{} packets, {} poses used{dropped}",
+            self.packets, self.poses
+        )
+    }
+
     fn count_of(&mut self, reason: Dropped) -> &mut u64 {
         match reason {
             Dropped::Stranger => &mut self.stranger,

@@ -323,18 +323,12 @@ fn is_too_long(waited: Duration, ready_told: Option<Duration>) -> bool {
 }
 
 fn not_seen(ids: &[u32], counts: &Counts) -> Error {
-    let dropped = counts.dropped();
-    let dropped = dropped
-        .iter()
-        .map(|(reason, count)| format!(", {count} {reason}"));
     Error::Link {
         peer: "tracker".to_owned(),
         problem: format!(
-            "not seen, or not steadily: {}; {} packets, {} poses used{}",
+            "not seen, or not steadily: {}; {}",
             names(ids),
-            counts.packets,
-            counts.poses,
-            dropped.collect::<String>()
+            counts.text()
         ),
         help: "are these their ids at the tracker, are they in the arena?".to_owned(),
     }

@@ -127,7 +127,8 @@ impl Link {
         if let Source::Program { name, .. } = &self.source
             && self.has_ended()
         {
-            let problem = "has ended before every robot was seen".to_owned();
+            let counts = self.inbox.counts().text();
+            let problem = format!("has ended before every robot was seen; {counts}");
             let help = "see what it says above, and start it by itself to try it";
             return gone(name.clone(), problem, help);
         }
