@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn two_clocks_and_two_places_are_told_with_their_difference() {
         let clocks = told(100, |number, now_s| {
-            let ahead_s = if number % 3 == 0 { 100.0 } else { 0.0 };
+            let ahead_s = if number.is_multiple_of(3) { 100.0 } else { 0.0 };
             (seen(0.0, Some(now_s + ahead_s)), None)
         });
         assert_eq!(
@@ -239,7 +239,7 @@ mod tests {
         assert!(told(1000, bursts).is_empty());
         // A port of its own for every packet, and a wrong pose now and then
         let wild = |number: u32, now_s: f64| {
-            let wrong = if number % 10 == 0 {
+            let wrong = if number.is_multiple_of(10) {
                 0.01 * f64::from(number)
             } else {
                 0.0
