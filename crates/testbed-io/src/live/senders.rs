@@ -237,10 +237,10 @@ mod tests {
             (seen(0.3 * sent_s, Some(sent_s)), address(5000))
         };
         assert!(told(1000, bursts).is_empty());
-        // A port of its own for every packet, and a wrong pose now and then
+        // A port of its own for every packet, and wrong poses at different places now and then
         let wild = |number: u32, now_s: f64| {
             let wrong = if number.is_multiple_of(10) {
-                0.01 * f64::from(number)
+                0.5 * f64::from(number / 10 % 4 + 1)
             } else {
                 0.0
             };
