@@ -9,7 +9,7 @@ Needs the package `rps` (https://github.com/robotarium/robotarium_python_simulat
     [commands]
     kind = "program"
 
-Newer versions of the simulator first drive the robots to where the scenario starts, which takes up to two minutes. Poses are sent
+Newer versions of the simulator first drive the robots to where the scenario starts, which takes about a minute. Poses are sent
 from then on; until then the session is told that robots are getting ready, and waits.
 """
 import json

@@ -17,13 +17,40 @@ const LISTED: usize = 20;
 /// Widest range of a histogram, in mm.
 const HISTOGRAM_MM: f64 = 100.0;
 
+/// Whose settings the controllers of a scenario have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(into = "&'static str")]
+pub enum SettingsOf {
+    /// A preset
+    Preset(Preset),
+    /// A scenario file, as it is
+    File,
+}
+
+impl SettingsOf {
+    /// As in documents.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preset(preset) => preset.name(),
+            Self::File => "file",
+        }
+    }
+}
+
+impl From<SettingsOf> for &'static str {
+    fn from(settings: SettingsOf) -> Self {
+        settings.name()
+    }
+}
+
 /// A scenario of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedScenario {
     /// A built-in scenario's name, or a file
     pub name: String,
-    /// Whose settings its controllers have: a preset's name, or `file`
-    pub preset: String,
+    /// Its controllers
+    pub preset: SettingsOf,
     /// The scenario itself, with the length of each run
     pub spec: ScenarioSpec,
 }
@@ -67,8 +94,8 @@ pub struct CampaignReport {
 /// Runs of one preset under one group of disturbances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Total {
-    /// Which controllers: a preset, or `file` for the settings of a scenario file
-    pub preset: String,
+    /// Which controllers
+    pub preset: SettingsOf,
     /// Which disturbances
     pub disturbance: Group,
     /// What they came to
@@ -79,8 +106,8 @@ pub struct Total {
 /// The same for one scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Which controllers: a preset, or `file` for the settings of a scenario file
-    pub preset: String,
+    /// Which controllers
+    pub preset: SettingsOf,
     /// Which disturbances
     pub disturbance: Group,
     /// Which robots
@@ -119,8 +146,8 @@ pub struct Tally {
 /// Distributions over the runs of one preset under one group of disturbances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Histograms {
-    /// Which controllers: a preset, or `file` for the settings of a scenario file
-    pub preset: String,
+    /// Which controllers
+    pub preset: SettingsOf,
     /// Which disturbances
     pub disturbance: Group,
     /// Least headway barrier of each run
@@ -143,8 +170,8 @@ pub struct Histogram {
 /// An unsafe run; scenario, preset, disturbance and seed repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Violation {
-    /// Which controllers: a preset, or `file` for the settings of a scenario file
-    pub preset: String,
+    /// Which controllers
+    pub preset: SettingsOf,
     /// Which robots
     pub testbed: String,
     /// Which scenario
@@ -178,7 +205,7 @@ impl NamedScenario {
             for name in testbed.scenarios().iter().filter(wanted) {
                 found.push(Self {
                     name: (*name).to_owned(),
-                    preset: preset.name().to_owned(),
+                    preset: SettingsOf::Preset(preset),
                     spec: testbed.scenario(name, preset)?,
                 });
             }
@@ -219,7 +246,7 @@ impl Campaign {
                 let summaries = self.summaries(&scenarios, group, done)?;
                 report.runs += summaries.len();
                 report.simulated_s += simulated_s(&scenarios, self.runs);
-                self.add(&mut report, &own, group, &summaries);
+                self.add(&mut report, preset, &own, group, &summaries);
             }
         }
         report.seconds = start.elapsed().as_secs_f64();
@@ -242,17 +269,17 @@ impl Campaign {
     }
 
     /// In the order in which they first occur.
-    fn presets(&self) -> Vec<&str> {
-        let mut presets: Vec<&str> = Vec::new();
+    fn presets(&self) -> Vec<SettingsOf> {
+        let mut presets = Vec::new();
         for scenario in &self.scenarios {
-            if !presets.contains(&scenario.preset.as_str()) {
-                presets.push(&scenario.preset);
+            if !presets.contains(&scenario.preset) {
+                presets.push(scenario.preset);
             }
         }
         presets
     }
 
-    fn of(&self, preset: &str) -> impl Iterator<Item = &NamedScenario> {
+    fn of(&self, preset: SettingsOf) -> impl Iterator<Item = &NamedScenario> {
         let scenarios = self.scenarios.iter();
         scenarios.filter(move |scenario| scenario.preset == preset)
     }
@@ -280,22 +307,20 @@ impl Campaign {
     fn add(
         &self,
         report: &mut CampaignReport,
+        preset: SettingsOf,
         scenarios: &[&NamedScenario],
         disturbance: Group,
         summaries: &[Summary],
     ) {
-        let Some(preset) = scenarios.first().map(|first| &first.preset) else {
-            return;
-        };
         report.totals.push(Total {
-            preset: preset.clone(),
+            preset,
             disturbance,
             tally: Tally::new(&summaries.iter().collect::<Vec<_>>()),
         });
         for (index, scenario) in scenarios.iter().enumerate() {
             let own = summaries.iter().skip(index).step_by(scenarios.len());
             report.rows.push(Row {
-                preset: preset.clone(),
+                preset,
                 disturbance,
                 testbed: scenario.spec.testbed.clone(),
                 scenario: scenario.name.clone(),
@@ -303,7 +328,7 @@ impl Campaign {
             });
         }
         report.histograms.push(Histograms {
-            preset: preset.clone(),
+            preset,
             disturbance,
             headway_mm: Histogram::new(summaries.iter().filter_map(|s| s.min_h_headway_m)),
             clearance_mm: Histogram::new(summaries.iter().map(|s| s.lane_clearance_m)),
@@ -312,7 +337,7 @@ impl Campaign {
         let violations = unsafe_runs.take(LISTED).map(|(index, summary)| {
             let scenario = scenarios[index % scenarios.len()];
             Violation {
-                preset: preset.clone(),
+                preset,
                 testbed: scenario.spec.testbed.clone(),
                 scenario: scenario.name.clone(),
                 disturbance,

@@ -43,7 +43,8 @@ mod tick;
 mod timing;
 
 pub use campaign::{
-    Campaign, CampaignReport, Histogram, Histograms, NamedScenario, Row, Tally, Total, Violation,
+    Campaign, CampaignReport, Histogram, Histograms, NamedScenario, Row, SettingsOf, Tally, Total,
+    Violation,
 };
 pub use convoy::Convoy;
 pub use disturbances::{Disturbances, Group};

@@ -2,10 +2,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, Tally, Violation};
+use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
 
 use super::scenario::{Disturbance, PresetName, TestbedName};
-use super::scenarios::{Wanted, shell_word};
+use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
@@ -67,9 +67,9 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     let campaign = args.campaign(context)?;
     if campaign.idle() > 0 {
         let text = format!(
-            "{} scenarios are not run: --runs {} is less than there are",
-            campaign.idle(),
-            campaign.runs
+            "--runs {} is less than there are scenarios: {} are not run",
+            campaign.runs,
+            campaign.idle()
         );
         output::note(context, &text);
     }
@@ -158,15 +158,14 @@ impl<'a> Listed<'a> {
             seed,
             ..
         } = violation;
-        let of_file = scenario.contains('.') || scenario.contains('/');
-        let what = if of_file {
+        let what = if is_path(scenario) {
             format!("--scenario {}", shell_word(scenario))
         } else {
             format!("--testbed {testbed} --scenario {scenario}")
         };
-        let with = match preset.as_str() {
-            "file" => String::new(),
-            preset => format!(" --preset {preset}"),
+        let with = match preset {
+            SettingsOf::File => String::new(),
+            SettingsOf::Preset(preset) => format!(" --preset {}", preset.name()),
         };
         let long = duration_s.map_or_else(String::new, |s| format!(" --duration {s}"));
         let disturbance = violation.disturbance.name();
@@ -218,12 +217,12 @@ fn table(
 
 fn text(report: &CampaignReport, violations: &[Listed]) -> String {
     let totals = report.totals.iter().map(|total| {
-        let names = [total.preset.as_str(), total.disturbance.name()];
+        let names = [total.preset.name(), total.disturbance.name()];
         (names.map(str::to_owned).to_vec(), cells(&total.tally))
     });
     let rows = report.rows.iter().map(|row| {
         let names = [
-            row.preset.as_str(),
+            row.preset.name(),
             row.disturbance.name(),
             &row.testbed,
             &row.scenario,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
-use testbed_io::NamedScenario;
+use testbed_io::{NamedScenario, SettingsOf};
 use unicycle_cbf::Testbed;
 
 use super::scenario::{PresetName, apply, from_file};
@@ -74,7 +74,7 @@ impl Wanted<'_> {
         );
         let as_it_is = NamedScenario {
             name: file.display().to_string(),
-            preset: "file".to_owned(),
+            preset: SettingsOf::File,
             spec: run.scenario,
         };
         if self.presets.is_empty() {
@@ -83,16 +83,15 @@ impl Wanted<'_> {
         let with = self.presets.iter().map(|preset| {
             let mut scenario = as_it_is.clone();
             apply(*preset, &mut scenario.spec);
-            unicycle_cbf::Preset::from(*preset)
-                .name()
-                .clone_into(&mut scenario.preset);
+            scenario.preset = SettingsOf::Preset((*preset).into());
             scenario
         });
         Ok(with.collect())
     }
 }
 
-fn is_path(text: &str) -> bool {
+/// Whether an argument is a file or a folder, and not the name of a built-in scenario.
+pub(crate) fn is_path(text: &str) -> bool {
     let path = Path::new(text);
     is_toml(path) || path.is_dir() || text.contains(['/', '\\'])
 }

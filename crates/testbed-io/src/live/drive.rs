@@ -15,10 +15,10 @@ use crate::error::Error;
 use crate::summary::{Summarising, Summary};
 use crate::tick::{Tick, Truth};
 
-/// How long robots have to appear before the start, and after which time the user is told whom the session waits for.
+/// How long robots have to appear before the start, and how long while the other side says that they are getting ready.
 const APPEAR: Duration = Duration::from_secs(60);
-/// The same while the other side says that robots are getting ready.
 const GETTING_READY: Duration = Duration::from_secs(300);
+/// The user is told whom the session waits for after this time.
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
@@ -297,14 +297,11 @@ impl<'a> Drive<'a> {
         if without_poses_s > lost_after_s {
             return Some(format!("no pose for {without_poses_s:.1} s"));
         }
-        let silence = self.link.commands.silence()?;
-        let silent = silence.for_s.min(time_s) > lost_after_s;
-        silent.then(|| {
-            format!(
-                "{} has been silent for {:.1} s",
-                silence.peer, silence.for_s
-            )
-        })
+        let silence = self.link.lost(time_s, lost_after_s)?;
+        Some(format!(
+            "{} has been silent for {:.1} s",
+            silence.peer, silence.for_s
+        ))
     }
 }
 

@@ -138,12 +138,10 @@ impl Bounds {
     /// Whether a robot can have come from one pose to the other if it moved for at most some time.
     fn reach(&self, before: &StampedPose, seen: &StampedPose, most_s: f64) -> bool {
         let moving_s = (seen.stamp_s - before.stamp_s).min(most_s);
-        let turn = std::f64::consts::TAU;
-        let turned_rad = ((seen.pose.heading_rad - before.pose.heading_rad) % turn).abs();
-        let turned_rad = turned_rad.min(turn - turned_rad);
         let near_m = TOLERANCE_M + self.speed_mps * moving_s;
         distance_m(&before.pose, &seen.pose) <= near_m
-            && turned_rad <= TOLERANCE_RAD + self.turn_rate_rad_s * moving_s
+            && turned_rad(&before.pose, &seen.pose)
+                <= TOLERANCE_RAD + self.turn_rate_rad_s * moving_s
     }
 
     fn overlap(&self, other: &Track, seen: &StampedPose) -> bool {
@@ -153,8 +151,15 @@ impl Bounds {
     }
 }
 
-fn distance_m(a: &Pose, b: &Pose) -> f64 {
+pub(super) fn distance_m(a: &Pose, b: &Pose) -> f64 {
     (a.x_m - b.x_m).hypot(a.y_m - b.y_m)
+}
+
+/// Between two headings, the shorter way round.
+pub(super) fn turned_rad(a: &Pose, b: &Pose) -> f64 {
+    let turn = std::f64::consts::TAU;
+    let turned_rad = ((b.heading_rad - a.heading_rad) % turn).abs();
+    turned_rad.min(turn - turned_rad)
 }
 
 #[cfg(test)]

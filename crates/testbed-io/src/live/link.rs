@@ -132,8 +132,7 @@ impl Link {
             let help = "see what it says above, and start it by itself to try it";
             return gone(name.clone(), problem, help);
         }
-        let silence = self.silence();
-        match silence.filter(|silence| silence.for_s.min(waited_s) > lost_after_s) {
+        match self.lost(waited_s, lost_after_s) {
             Some(Silence { peer, for_s }) => {
                 let problem =
                     format!("silent for {for_s:.1} s, and not every robot has been seen yet");
@@ -143,7 +142,8 @@ impl Link {
         }
     }
 
-    fn silence(&self) -> Option<Silence> {
+    /// A peer that has been silent for too long, counted from when it could be heard.
+    pub(super) fn lost(&self, listened_s: f64, lost_after_s: f64) -> Option<Silence> {
         let of_poses = match &self.source {
             Source::Robotarium { poses } => poses.disconnected_for_s(),
             _ => None,
@@ -152,7 +152,8 @@ impl Link {
             peer: "the broker".to_owned(),
             for_s,
         });
-        of_poses.or_else(|| self.commands.silence())
+        let silence = of_poses.or_else(|| self.commands.silence());
+        silence.filter(|silence| silence.for_s.min(listened_s) > lost_after_s)
     }
 
     /// Whether no pose can come any more.

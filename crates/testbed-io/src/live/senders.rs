@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 
 use unicycle_cbf::Pose;
 
-use super::gate::Bounds;
+use super::gate::{Bounds, distance_m, turned_rad};
 use super::inbox::Seen;
 
 /// Two clocks differ by more than what is late, in s.
@@ -100,8 +100,8 @@ impl Stream {
         passed_s <= FORGOTTEN_S
             && self.from == before.from
             && self.clocks_apart_s(before) <= CLOCKS_APART_S
-            && self.distance_m(before) <= near_m
-            && self.turned_rad(before) <= near_rad
+            && distance_m(&before.pose, &self.pose) <= near_m
+            && turned_rad(&before.pose, &self.pose) <= near_rad
     }
 
     fn clocks_apart_s(&self, other: &Self) -> f64 {
@@ -110,16 +110,6 @@ impl Stream {
             (None, None) => 0.0,
             _ => f64::INFINITY,
         }
-    }
-
-    fn distance_m(&self, other: &Self) -> f64 {
-        (self.pose.x_m - other.pose.x_m).hypot(self.pose.y_m - other.pose.y_m)
-    }
-
-    fn turned_rad(&self, other: &Self) -> f64 {
-        let turn = std::f64::consts::TAU;
-        let turned_rad = ((self.pose.heading_rad - other.pose.heading_rad) % turn).abs();
-        turned_rad.min(turn - turned_rad)
     }
 }
 
@@ -134,7 +124,7 @@ impl Two {
         if clocks_s > CLOCKS_APART_S {
             return Self::Clocks(clocks_s);
         }
-        Self::Places(a.distance_m(b), a.turned_rad(b))
+        Self::Places(distance_m(&a.pose, &b.pose), turned_rad(&a.pose, &b.pose))
     }
 }
 
@@ -237,7 +227,7 @@ mod tests {
             (seen(0.3 * sent_s, Some(sent_s)), address(5000))
         };
         assert!(told(1000, bursts).is_empty());
-        // A port of its own for every packet, and wrong poses at different places now and then
+        // Wrong poses at different places now and then
         let wild = |number: u32, now_s: f64| {
             let wrong = if number.is_multiple_of(10) {
                 0.5 * f64::from(number / 10 % 4 + 1)
@@ -247,6 +237,7 @@ mod tests {
             (seen(wrong, Some(now_s)), address(5000))
         };
         assert!(told(200, wild).is_empty());
+        // A port of its own for every packet
         let ports = |number: u32, _| (seen(0.0, None), address(5000 + number as u16));
         assert!(told(1000, ports).is_empty());
         // A clock that jumps, a program that is started anew, and nothing that is compared with a long time ago

@@ -1,6 +1,6 @@
 //! Campaigns: counts, reproducibility, and that the hardened preset holds.
 
-use testbed_io::{Campaign, Disturbances, Group, NamedScenario, RunSpec};
+use testbed_io::{Campaign, Disturbances, Group, NamedScenario, RunSpec, SettingsOf};
 use unicycle_cbf::{Preset, Testbed};
 
 fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
@@ -51,11 +51,12 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
             .into_iter()
             .find(|t| t.name() == violation.testbed)
             .unwrap();
+        let SettingsOf::Preset(preset) = violation.preset else {
+            panic!("{violation:?}");
+        };
         let spec = RunSpec {
             seed: violation.seed,
-            scenario: testbed
-                .scenario(&violation.scenario, Preset::Thesis)
-                .unwrap(),
+            scenario: testbed.scenario(&violation.scenario, preset).unwrap(),
             disturbances: Disturbances::HARD.only(violation.disturbance),
             link: None,
         };
