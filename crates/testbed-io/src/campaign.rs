@@ -10,6 +10,7 @@ use crate::disturbances::{Disturbances, Group};
 use crate::error::Error;
 use crate::simulation::Simulation;
 use crate::summary::Summary;
+use crate::verdict::{LeastDistance, Verdict};
 
 /// Violations that are listed for each preset and group of disturbances; all are counted.
 const LISTED: usize = 20;
@@ -131,6 +132,10 @@ pub struct Tally {
     pub lane_departures: usize,
     /// Runs with a headway below zero
     pub headway_violations: usize,
+    /// Runs in which two bodies were nearer to each other than the clearance
+    pub near_bodies: usize,
+    /// Least distance between two bodies, in m; below zero they touched
+    pub min_gap_m: Option<f64>,
     /// Least headway barrier, in m
     pub min_h_headway_m: Option<f64>,
     /// Least distance to the edge of the lane, in m
@@ -184,6 +189,8 @@ pub struct Violation {
     pub first_unsafe_s: Option<f64>,
     /// Least headway barrier, in m
     pub min_h_headway_m: Option<f64>,
+    /// Where two robots were nearest to each other
+    pub least_distance: Option<LeastDistance>,
     /// Least distance to the edge of the lane, in m
     pub lane_clearance_m: f64,
 }
@@ -333,7 +340,7 @@ impl Campaign {
             headway_mm: Histogram::new(summaries.iter().filter_map(|s| s.min_h_headway_m)),
             clearance_mm: Histogram::new(summaries.iter().map(|s| s.lane_clearance_m)),
         });
-        let unsafe_runs = summaries.iter().enumerate().filter(|(_, s)| !s.safe);
+        let unsafe_runs = summaries.iter().enumerate().filter(|(_, s)| s.verdict != Verdict::Safe);
         let violations = unsafe_runs.take(LISTED).map(|(index, summary)| {
             let scenario = scenarios[index % scenarios.len()];
             Violation {
@@ -344,6 +351,7 @@ impl Campaign {
                 seed: self.seed + index as u64,
                 first_unsafe_s: summary.first_unsafe_s,
                 min_h_headway_m: summary.min_h_headway_m,
+                least_distance: summary.least_distance,
                 lane_clearance_m: summary.lane_clearance_m,
             }
         });
@@ -374,13 +382,16 @@ impl Tally {
         let total = |part: fn(&Summary) -> usize| all().map(part).sum::<usize>() as f64;
         let steps = total(|s| s.outcomes.optimal + s.outcomes.relaxed + s.outcomes.braking);
         let headways = all().filter_map(|s| s.min_h_headway_m);
+        let gaps = all().filter_map(|s| Some(s.least_distance?.gap_m));
         let clearances = all().map(|s| s.lane_clearance_m);
         let speeds = all().map(|s| s.mean_speed_mps);
         Self {
             runs: summaries.len(),
-            violations: count(|s| !s.safe),
+            violations: count(|s| s.verdict != Verdict::Safe),
             lane_departures: count(|s| s.lane_clearance_m < 0.0),
             headway_violations: count(|s| s.min_h_headway_m.is_some_and(|h| h < 0.0)),
+            near_bodies: count(|s| s.bodies_were_near),
+            min_gap_m: gaps.min_by(f64::total_cmp),
             min_h_headway_m: headways.min_by(f64::total_cmp),
             min_lane_clearance_m: clearances.min_by(f64::total_cmp).unwrap_or(f64::NAN),
             mean_speed_mps: speeds.sum::<f64>() / summaries.len() as f64,

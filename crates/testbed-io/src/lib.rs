@@ -19,7 +19,7 @@
 //! let disturbances = Disturbances::HARD.only(Group::All);
 //! let (run, summary) = RunSpec { seed: 7, scenario, disturbances, link: None }.simulate()?;
 //! assert_eq!(run.ticks.len(), 2 * 150);
-//! assert!(summary.safe);
+//! assert_eq!(summary.safe, Some(true));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -41,6 +41,7 @@ mod simulation;
 mod summary;
 mod tick;
 mod timing;
+mod verdict;
 
 pub use campaign::{
     Campaign, CampaignReport, Histogram, Histograms, NamedScenario, Row, SettingsOf, Tally, Total,
@@ -58,3 +59,4 @@ pub use simulation::Simulation;
 pub use summary::{Outcomes, Summarising, Summary, outcomes_of};
 pub use tick::{Tick, Truth};
 pub use timing::Timing;
+pub use verdict::{LeastDistance, Verdict};

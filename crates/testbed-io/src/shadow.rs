@@ -2,7 +2,7 @@
 
 use unicycle_cbf::{
     ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
-    Testbed,
+    State, Testbed,
 };
 
 use crate::convoy::Convoy;
@@ -90,6 +90,8 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
                 convoy.observe(robot, *seen);
             }
         }
+        let places: Vec<Option<State>> = tracks.iter().map(|t| t.state(scenario)).collect();
+        summary.add_places(now_s, &places);
         let mut own: Vec<Tick> = (0..robots)
             .rev()
             .map(|robot| {
@@ -117,11 +119,7 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
 }
 
 fn truth(scenario: &Scenario, tracks: &[Track], robot: usize) -> Option<Truth> {
-    let offset_m = scenario.controller().body().offset_m;
-    let state = |robot: usize| {
-        let track = &tracks[robot];
-        Some(track.last()?.pose.state(offset_m, track.speeds()))
-    };
+    let state = |robot: usize| tracks[robot].state(scenario);
     let ahead = robot.checked_sub(1).and_then(state);
     let state = state(robot)?;
     Some(Truth {
@@ -163,6 +161,11 @@ impl<'a> Track<'a> {
     fn last(&self) -> Option<StampedPose> {
         let pose = self.poses.get(self.next.checked_sub(1)?)?;
         Some(stamped(pose))
+    }
+
+    fn state(&self, scenario: &Scenario) -> Option<State> {
+        let offset_m = scenario.controller().body().offset_m;
+        Some(self.last()?.pose.state(offset_m, self.speeds()))
     }
 
     /// Between the newest pose and one some time before.

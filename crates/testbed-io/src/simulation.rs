@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use unicycle_cbf::{Controller, Decision, Safety, Scenario, StampedPose, State, WheelSpeeds};
+use unicycle_cbf::{Decision, Safety, Scenario, StampedPose, State, WheelSpeeds};
 
 use crate::convoy::Convoy;
 use crate::disturbances::{Disturbances, Random};
@@ -14,6 +14,8 @@ use crate::tick::{Tick, Truth};
 
 /// Parts of a period after each of which the true barriers are looked at.
 const SUBSTEPS: usize = 2;
+/// The longest part, in s: 3 mm at the speed of a small robot.
+const LONGEST_PART_S: f64 = 0.01;
 
 /// A run that can be repeated: same scenario, disturbances and seed, same poses and decisions.
 #[derive(Debug, Clone)]
@@ -48,7 +50,7 @@ impl Simulation<'_> {
             for (index, robot) in robots.iter_mut().enumerate().rev() {
                 robot.decide(&mut convoy, index, now_s);
             }
-            advance(&mut robots, self.scenario.controller());
+            advance(&mut robots, self.scenario, now_s, &mut summary);
             for (index, robot) in robots.iter().enumerate().rev() {
                 if let Some(tick) = robot.tick(step, index, now_s) {
                     summary.add(&tick);
@@ -128,16 +130,21 @@ impl Robot {
 }
 
 /// One period of all robots, from the front. A truth is the state at its start, after the command, and the least barriers over it.
-fn advance(robots: &mut [Robot], controller: &Controller) {
-    let part_s = controller.hold_s() / SUBSTEPS as f64;
-    for part in 0..=SUBSTEPS {
+fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut Summarising) {
+    let controller = scenario.controller();
+    let parts = SUBSTEPS.max((controller.hold_s() / LONGEST_PART_S).ceil() as usize);
+    let part_s = controller.hold_s() / parts as f64;
+    let mut places: Vec<Option<State>> = Vec::with_capacity(robots.len());
+    for part in 0..=parts {
+        places.clear();
         let mut ahead: Option<State> = None;
         for robot in robots.iter_mut() {
             if part > 0 {
                 robot.plant.advance(robot.target, part_s);
             }
             let state = robot.plant.state();
-            let safety = controller.safety(&state, ahead.as_ref());
+            let leader = ahead.filter(|ahead| controller.follows(&state, ahead));
+            let safety = controller.safety(&state, leader.as_ref());
             robot.truth = Some(match robot.truth {
                 Some(truth) if part > 0 => Truth {
                     safety: worse(truth.safety, safety),
@@ -146,7 +153,9 @@ fn advance(robots: &mut [Robot], controller: &Controller) {
                 _ => Truth { state, safety },
             });
             ahead = Some(state);
+            places.push(ahead);
         }
+        summary.add_places(now_s + part as f64 * part_s, &places);
     }
 }
 

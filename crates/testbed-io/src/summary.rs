@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use unicycle_cbf::{Outcome, Scenario};
+use unicycle_cbf::{Outcome, Scenario, State};
 
 use crate::tick::Tick;
+use crate::verdict::{Judge, LeastDistance, Verdict};
 
 /// Seconds at the end over which the final speed is averaged.
 const FINAL_S: f64 = 5.0;
@@ -31,8 +32,14 @@ pub struct Summary {
     pub outcomes: Outcomes,
     /// Largest violation of a row that was relaxed, in its units
     pub max_slack: f64,
-    /// Neither out of the lane nor too close
-    pub safe: bool,
+    /// Whether it was safe; none where that is not known
+    pub safe: Option<bool>,
+    /// The same in a word
+    pub verdict: Verdict,
+    /// Where two robots were nearest to each other; none of one robot
+    pub least_distance: Option<LeastDistance>,
+    /// Whether two bodies were nearer to each other than the clearance
+    pub bodies_were_near: bool,
     /// First time at which it was not, in s
     pub first_unsafe_s: Option<f64>,
 }
@@ -62,6 +69,7 @@ pub fn outcomes_of(ticks: &[Tick], robot: usize) -> BTreeMap<String, usize> {
 #[derive(Debug, Clone)]
 pub struct Summarising {
     summary: Summary,
+    judge: Judge,
     half_width_m: f64,
     followers_only: bool,
     final_from_s: f64,
@@ -102,9 +110,13 @@ impl Summarising {
                 final_speed_mps: 0.0,
                 outcomes: Outcomes::default(),
                 max_slack: 0.0,
-                safe: true,
+                safe: None,
+                verdict: Verdict::NotKnown,
+                least_distance: None,
+                bodies_were_near: false,
                 first_unsafe_s: None,
             },
+            judge: Judge::new(scenario.controller()),
             half_width_m: spec.controller.lane.half_width_m,
             followers_only: spec.robots.len() > 1,
             final_from_s: spec.duration_s - FINAL_S,
@@ -126,6 +138,10 @@ impl Summarising {
             Outcome::Braking { .. } => summary.outcomes.braking += 1,
         }
         let Some(truth) = &tick.truth else { return };
+        summary.verdict = match summary.verdict {
+            Verdict::NotKnown => Verdict::Safe,
+            verdict => verdict,
+        };
         let safety = &truth.safety;
         summary.min_h_lane = summary.min_h_lane.min(safety.lane);
         let lateral_m = safety.deviation_m.abs();
@@ -135,8 +151,7 @@ impl Summarising {
             summary.min_h_headway_m = Some(least.min(headway_m));
         }
         let safe = lateral_m <= self.half_width_m && safety.headway_m.is_none_or(|h| h >= 0.0);
-        if !safe && summary.safe {
-            summary.safe = false;
+        if !safe && summary.first_unsafe_s.is_none() {
             summary.first_unsafe_s = Some(tick.time_s);
         }
         if self.followers_only && tick.robot == 0 {
@@ -148,10 +163,27 @@ impl Summarising {
         }
     }
 
+    /// Takes in where the points of interest of all robots were at one time, from the front; none of robots that were not seen.
+    pub fn add_places(&mut self, time_s: f64, states: &[Option<State>]) {
+        self.judge.add(time_s, states);
+    }
+
     /// The whole.
     #[must_use]
     pub fn finished(self) -> Summary {
         let mut summary = self.summary;
+        summary.least_distance = self.judge.least();
+        summary.bodies_were_near = self.judge.first_near_s().is_some();
+        let unsafe_s = [summary.first_unsafe_s, self.judge.first_near_s()];
+        summary.first_unsafe_s = unsafe_s.into_iter().flatten().reduce(f64::min);
+        if summary.first_unsafe_s.is_some() {
+            summary.verdict = Verdict::Unsafe;
+        }
+        summary.safe = match summary.verdict {
+            Verdict::Safe => Some(true),
+            Verdict::Unsafe => Some(false),
+            Verdict::NotKnown => None,
+        };
         summary.lane_clearance_m = self.half_width_m - summary.max_abs_lateral_m;
         summary.mean_speed_mps = self.speed.value();
         summary.final_speed_mps = self.final_speed.value();

@@ -181,6 +181,39 @@ pub fn headway(
     spaced(body, state, distance_m, opening_mps, time_s, standstill_m)
 }
 
+/// `h = D − D_b − T b` of two bodies, with `D` between the middles of their axles and `b = v e·t` the own speed towards the other robot,
+/// `e` the unit vector to it and `t` the own heading:
+///
+/// ```text
+/// Ḋ = e·(v_j t_j − v t),   ḃ = v̇ e·t + v ω e·n + v t·ė,   ė = (v_j t_j − v t − Ḋ e)/D
+/// ```
+///
+/// Where both robots keep it, `Ḋ = −(b + b_j) ≥ −2 (D − D_b)/T`: the distance never falls below `D_b`, whatever the headings.
+#[must_use]
+pub fn apart(body: &Body, state: &State, other: &State, time_s: f64, least_m: f64) -> Lie {
+    let (sin, cos) = state.heading_rad.sin_cos();
+    let (other_sin, other_cos) = other.heading_rad.sin_cos();
+    let (a, v) = (body.offset_m, state.speed_mps);
+    let dx = other.x_m - state.x_m - a * (other_cos - cos);
+    let dy = other.y_m - state.y_m - a * (other_sin - sin);
+    let distance_m = dx.hypot(dy).max(f64::MIN_POSITIVE);
+    let (ex, ey) = (dx / distance_m, dy / distance_m);
+    let (wx, wy) = (
+        other.speed_mps * other_cos - v * cos,
+        other.speed_mps * other_sin - v * sin,
+    );
+    let opening_mps = ex * wx + ey * wy;
+    let (ahead, beside) = (ex * cos + ey * sin, ey * cos - ex * sin);
+    let turning = (cos * wx + sin * wy - opening_mps * ahead) / distance_m;
+    let acceleration = body.acceleration(state.turn_rate_rad_s);
+    let drift = acceleration.drift * ahead + v * (state.turn_rate_rad_s * beside + turning);
+    Lie {
+        value: distance_m - least_m - time_s * v * ahead,
+        lf: opening_mps - time_s * drift,
+        lg: [-time_s * acceleration.control[0] * ahead, 0.0],
+    }
+}
+
 /// `h = D − D0 − τ v` for a distance that opens at a rate.
 #[must_use]
 pub fn spaced(

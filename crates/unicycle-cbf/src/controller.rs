@@ -56,6 +56,15 @@ impl Leader {
     }
 }
 
+/// The robots around one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Around<'a> {
+    /// Whom it follows
+    pub leader: Option<&'a Leader>,
+    /// Others whose bodies it must not touch, the nearest first; the first four are regarded
+    pub others: &'a [State],
+}
+
 /// The barriers at a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Safety {
@@ -89,6 +98,7 @@ impl Controller {
         hold_s: f64,
     ) -> Result<Self, Error> {
         body.check()?;
+        let body = body.completed();
         settings.check()?;
         Error::positive("hold_s", hold_s)?;
         Ok(Self {
@@ -149,6 +159,18 @@ impl Controller {
         }
     }
 
+    /// Whether a robot is behind another and keeps a headway to it: on a loop, where every robot is regarded, by less than half a lap.
+    #[must_use]
+    pub fn follows(&self, state: &State, ahead: &State) -> bool {
+        let length_m = self.path.length_m();
+        let Some(length_m) = length_m.filter(|_| self.settings.hardening.regards_every_robot())
+        else {
+            return true;
+        };
+        let s_m = |state: &State| self.path.nearest(state.x_m, state.y_m).s_m;
+        self.path.distance_along_m(s_m(state), s_m(ahead)) < 0.5 * length_m
+    }
+
     /// What has to stay at or above zero, without margins.
     #[must_use]
     pub fn safety(&self, state: &State, leader: Option<&State>) -> Safety {
@@ -165,7 +187,13 @@ impl Controller {
         }
     }
 
-    /// Decides for a state whose newest pose is `age_s` old.
+    /// What has to lie between the middles of the axles of two robots, in m: both radii and the clearance.
+    #[must_use]
+    pub fn least_distance_m(&self) -> f64 {
+        2.0 * self.body.radius_m() + self.settings.headway.clearance_m
+    }
+
+    /// Decides for a state whose newest pose is `age_s` old, with nobody around but the robot ahead.
     pub fn decide(
         &self,
         state: &State,
@@ -173,10 +201,24 @@ impl Controller {
         objectives: &Objectives,
         age_s: f64,
     ) -> Decision {
-        if !state.is_finite() || leader.is_some_and(|leader| !leader.state.is_finite()) {
+        let others = &[];
+        self.decide_among(state, Around { leader, others }, objectives, age_s)
+    }
+
+    /// Decides for a state whose newest pose is `age_s` old.
+    pub fn decide_among(
+        &self,
+        state: &State,
+        around: Around,
+        objectives: &Objectives,
+        age_s: f64,
+    ) -> Decision {
+        let leader = around.leader.map(|leader| &leader.state);
+        let mut known = around.others.iter().chain(leader);
+        if !state.is_finite() || !known.all(State::is_finite) {
             return Decision::braking(Brake::NotFinite, Some(*state), None);
         }
-        let mut terms = self.terms(state, leader, objectives, age_s);
+        let mut terms = self.terms(state, around, objectives, age_s);
         let weights = self.weights(objectives);
         let solution = qp::solve(&weights, terms.rows.as_slice());
         terms.solution = solution;

@@ -76,7 +76,7 @@ mod settings;
 mod terms;
 mod unicycle;
 
-pub use controller::{Controller, Leader, Objectives, Safety, Tracking};
+pub use controller::{Around, Controller, Leader, Objectives, Safety, Tracking};
 pub use decision::{Brake, Decision, Outcome, Terms};
 pub use error::Error;
 pub use lateral::{Course, Deviation, Lateral, Progress};

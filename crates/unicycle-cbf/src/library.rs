@@ -64,6 +64,26 @@ impl Testbed {
         }
     }
 
+    /// The one whose robots have these wheels.
+    pub(crate) fn with_wheel_base(wheel_base_m: f64) -> Option<Self> {
+        let same = |from_m: f64, to_m: f64| (from_m..=to_m).contains(&wheel_base_m);
+        if same(0.0884, 0.0886) {
+            Some(Self::Khepera)
+        } else if same(0.1049, 0.1101) {
+            Some(Self::Robotarium)
+        } else {
+            None
+        }
+    }
+
+    /// What has to stay free between two bodies, in m. On the Robotarium points 25 mm ahead of the axles have to be 0.135 m apart.
+    fn clearance_m(self) -> f64 {
+        match self {
+            Self::Khepera => HeadwaySettings::CLEARANCE_M,
+            Self::Robotarium => 0.025,
+        }
+    }
+
     /// The robot.
     #[must_use]
     pub fn body(self) -> Body {
@@ -74,6 +94,7 @@ impl Testbed {
                 inertia_kgm2: 1.5e-3,
                 centripetal: Centripetal::Printed,
                 wheel_base_m: 0.0885,
+                radius_m: Some(0.065),
                 max_wheel_speed_mps: 0.3148,
                 max_turn_rate_rad_s: 2.2763,
             },
@@ -83,6 +104,7 @@ impl Testbed {
                 inertia_kgm2: 1e-4,
                 centripetal: Centripetal::Printed,
                 wheel_base_m: 0.11,
+                radius_m: Some(0.055),
                 max_wheel_speed_mps: 0.2,
                 max_turn_rate_rad_s: 0.4 / 0.11,
             },
@@ -252,6 +274,7 @@ impl Testbed {
             headway: HeadwaySettings {
                 time_s: course.headway_s,
                 standstill_m: 0.0,
+                clearance_m: self.clearance_m(),
                 distance: Distance::Chord,
                 rate_1ps: 1.0,
                 margin_m: margins[0],
@@ -323,6 +346,7 @@ fn hardened(stated: &Hardening) -> Hardening {
         heading_noise_rad: stated.heading_noise_rad.max(0.5_f64.to_radians()),
         wheel_error: stated.wheel_error.max(0.1),
         cautious_leader: true,
+        every_robot: Some(true),
         max_course_angle_rad: stated.max_course_angle_rad.or(Some(80.0_f64.to_radians())),
         start_at_desired_speed: false,
     }

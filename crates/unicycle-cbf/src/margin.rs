@@ -38,11 +38,14 @@ impl Moment {
 ///
 /// Within a period the distance opens or closes by the speeds of both, after the speed command has taken effect at once. Noise
 /// moves both robots; wheels that turn faster than told add to the speed now and since the pose was seen.
+///
+/// The same for the distance of bodies, with the time that its barrier allows for.
 pub(crate) fn headway_m(
     settings: &ControllerSettings,
     moment: &Moment,
     state: &State,
     leader_speed_mps: f64,
+    time_s: f64,
 ) -> f64 {
     let hardening = &settings.hardening;
     let speed = state.speed_mps.abs();
@@ -52,7 +55,7 @@ pub(crate) fn headway_m(
         0.0
     };
     let noise = 2.0 * moment.noise_m(hardening);
-    let wheels = hardening.wheel_error * speed * (settings.headway.time_s + moment.age_s);
+    let wheels = hardening.wheel_error * speed * (time_s + moment.age_s);
     settings.headway.margin_m + sampling + noise + wheels
 }
 

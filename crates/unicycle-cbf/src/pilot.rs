@@ -1,8 +1,8 @@
 //! The controller of one robot over time: observer, watchdog, and the speeds sent last.
 
-use crate::controller::{Controller, Leader, Objectives};
+use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::{Brake, Decision};
-use crate::pose::{Pose, Speeds};
+use crate::pose::{Pose, Speeds, State};
 use crate::predictor::{Predictor, StampedPose};
 
 /// What one robot's controller remembers between steps.
@@ -79,12 +79,24 @@ impl Pilot {
         self.predictor.sent(now_s, speeds);
     }
 
-    /// Decides at `now_s`; the robot ahead is given as it was before its own step at this time.
+    /// Decides at `now_s` with nobody around but the robot ahead, which is given as it was before its own step at this time.
     pub fn decide(
         &self,
         controller: &Controller,
         now_s: f64,
         ahead: Ahead,
+        objectives: &Objectives,
+    ) -> Decision {
+        self.decide_among(controller, now_s, ahead, &[], objectives)
+    }
+
+    /// Decides at `now_s`; all others are given as they were before their own steps at this time, the nearest first.
+    pub fn decide_among(
+        &self,
+        controller: &Controller,
+        now_s: f64,
+        ahead: Ahead,
+        others: &[State],
         objectives: &Objectives,
     ) -> Decision {
         let Some((pose, age_s)) = self.current(controller, now_s) else {
@@ -99,16 +111,17 @@ impl Pilot {
         if too_old(age_s) {
             return Decision::braking(Brake::StalePose, Some(state), None);
         }
-        match ahead {
-            Ahead::Nobody => controller.decide(&state, None, objectives, age_s),
+        let (leader, age_s) = match &ahead {
+            Ahead::Nobody => (None, age_s),
             Ahead::Seen(sighting) if !too_old(sighting.age_s) => {
-                let age_s = age_s.max(sighting.age_s);
-                controller.decide(&state, Some(&sighting.leader), objectives, age_s)
+                (Some(&sighting.leader), age_s.max(sighting.age_s))
             }
             Ahead::Seen(_) | Ahead::Unseen => {
-                Decision::braking(Brake::LeaderLost, Some(state), None)
+                return Decision::braking(Brake::LeaderLost, Some(state), None);
             }
-        }
+        };
+        let around = Around { leader, others };
+        controller.decide_among(&state, around, objectives, age_s)
     }
 
     fn current(&self, controller: &Controller, now_s: f64) -> Option<(Pose, f64)> {

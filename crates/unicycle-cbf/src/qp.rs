@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! minimise    Σ_i w_i z_i²          w_i > 0,  i = 1 … N
-//! subject to  a_j · z ≤ b_j         j = 1 … m ≤ 16
+//! subject to  a_j · z ≤ b_j         j = 1 … m ≤ 20
 //! ```
 //!
 //! With `y = W^(1/2) z` the Hessian becomes the identity: the optimum is the point of a polyhedron
@@ -32,7 +32,7 @@ use scaled::{FEASIBILITY, Scaled, dot, norm};
 pub const VARIABLES: usize = 5;
 
 /// Most rows that [`solve`] takes.
-pub const MAX_ROWS: usize = 16;
+pub const MAX_ROWS: usize = 20;
 
 /// A normal is a combination of others up to here, relative to the sum of the factors in it.
 const ROUND_OFF: f64 = 32.0 * f64::EPSILON;
@@ -79,7 +79,7 @@ pub struct Solution<const N: usize = VARIABLES> {
     /// `λ ≥ 0` with `Σ_j λ_j a_j = 0` and `Σ_j λ_j b_j < 0`. Otherwise zero
     pub multipliers: [f64; MAX_ROWS],
     /// Bit `j` stands for row `j` in the final active set
-    pub active: u16,
+    pub active: u32,
     /// Changes of the active set
     pub iterations: u32,
 }

@@ -20,6 +20,8 @@ pub enum RowKind {
     Headway,
     /// Distance to where the robot ahead was last seen
     HeadwayStopped,
+    /// Distance between the bodies of two robots
+    Apart,
     /// Both edges of the lane
     Lane,
     /// The edge at positive deviations
@@ -63,6 +65,7 @@ impl RowKind {
             Self::Tracking => "V3",
             Self::Headway => "headway",
             Self::HeadwayStopped => "headway-stopped",
+            Self::Apart => "apart",
             Self::Lane => "lane",
             Self::LaneRight => "lane-right",
             Self::LaneLeft => "lane-left",

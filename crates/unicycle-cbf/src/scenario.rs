@@ -118,7 +118,7 @@ impl Scenario {
     /// # Errors
     ///
     /// The first number out of its range, or robots that cannot start where they shall.
-    pub fn new(spec: ScenarioSpec) -> Result<Self, Error> {
+    pub fn new(mut spec: ScenarioSpec) -> Result<Self, Error> {
         Error::within("rate_hz", spec.rate_hz, 1.0, 1000.0)?;
         Error::within("duration_s", spec.duration_s, 1.0 / spec.rate_hz, 86_400.0)?;
         let path = spec.path.path()?;
@@ -129,6 +129,7 @@ impl Scenario {
             own.check(robot)?;
         }
         spec.check_size()?;
+        spec.body = spec.body.completed();
         let starts = spec
             .robots
             .iter()
@@ -143,7 +144,7 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// What it was made from.
+    /// What it was made from, completed where something was left out.
     #[must_use]
     pub fn spec(&self) -> &ScenarioSpec {
         &self.spec

@@ -31,14 +31,21 @@ pub struct ControllerSettings {
 pub struct HeadwaySettings {
     /// `τ`, in s
     pub time_s: f64,
-    /// `D0`, in m
+    /// `D0`, in m; with [`Hardening::every_robot`] at least both radii and the clearance
     pub standstill_m: f64,
+    /// What has to stay free between two bodies, in m
+    #[serde(default = "usual_clearance_m")]
+    pub clearance_m: f64,
     /// How `D` is measured
     pub distance: Distance,
     /// `γ1`, in 1/s
     pub rate_1ps: f64,
     /// Taken off the barrier within the quadratic program, in m
     pub margin_m: f64,
+}
+
+fn usual_clearance_m() -> f64 {
+    HeadwaySettings::CLEARANCE_M
 }
 
 /// How the distance between robots is measured.
@@ -92,6 +99,9 @@ pub struct Hardening {
     pub wheel_error: f64,
     /// The robot ahead may have stopped where it was last seen: a second headway row
     pub cautious_leader: bool,
+    /// A row for the body of every robot in reach, and whoever is ahead on the path is followed. Left out, where there are wheel rows
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every_robot: Option<bool>,
     /// The heading stays within this angle of the path's direction, in rad
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_course_angle_rad: Option<f64>,
@@ -112,6 +122,7 @@ impl Hardening {
         heading_noise_rad: 0.0,
         wheel_error: 0.0,
         cautious_leader: false,
+        every_robot: Some(false),
         max_course_angle_rad: None,
         start_at_desired_speed: true,
     };
@@ -194,9 +205,13 @@ impl Preset {
 }
 
 impl HeadwaySettings {
+    /// The usual clearance between two bodies, in m.
+    pub const CLEARANCE_M: f64 = 0.01;
+
     fn check(&self) -> Result<(), Error> {
         Error::positive("headway.time_s", self.time_s)?;
         Error::within("headway.standstill_m", self.standstill_m, 0.0, f64::MAX)?;
+        Error::within("headway.clearance_m", self.clearance_m, 0.0, 10.0)?;
         Error::positive("headway.rate_1ps", self.rate_1ps)?;
         Error::within("headway.margin_m", self.margin_m, 0.0, f64::MAX)
     }
@@ -229,6 +244,12 @@ impl LaneSettings {
 }
 
 impl Hardening {
+    /// Whether every robot in reach has a row.
+    #[must_use]
+    pub fn regards_every_robot(&self) -> bool {
+        self.every_robot.unwrap_or(self.wheel_rows)
+    }
+
     fn check(&self) -> Result<(), Error> {
         Error::within("hardening.position_gain", self.position_gain, 1e-3, 1.0)?;
         Error::within("hardening.heading_gain", self.heading_gain, 1e-3, 1.0)?;

@@ -2,7 +2,7 @@
 
 use crate::cbf::{self, LaneBarrier, LaneBarriers};
 use crate::clf;
-use crate::controller::{Controller, Leader, Objectives};
+use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::Terms;
 use crate::lateral::{Deviation, Frenet, Lateral, radial};
 use crate::lie::Lie;
@@ -16,15 +16,21 @@ use crate::unicycle::Affine;
 
 /// Rates of the rows for the direction of travel, in 1/s.
 const DIRECTION_RATES_1PS: [f64; 2] = [4.0, 4.0];
+/// Robots whose bodies have a row, that of the robot ahead among them.
+const MOST_BODIES: usize = 5;
+/// The time that the barrier between bodies allows for, in s, and in periods at least.
+const BODY_TIME_S: f64 = 0.5;
+const BODY_PERIODS: f64 = 4.0;
 
 impl Controller {
     pub(crate) fn terms(
         &self,
         state: &State,
-        leader: Option<&Leader>,
+        around: Around,
         objectives: &Objectives,
         age_s: f64,
     ) -> Terms {
+        let leader = around.leader;
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
         let frenet = self
@@ -48,6 +54,12 @@ impl Controller {
         let mut rows = self.lyapunov_rows(&lyapunov, objectives);
         let headway = leader
             .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
+        if settings.hardening.regards_every_robot() {
+            let leader = leader.map(|leader| leader.state);
+            for other in leader.iter().chain(around.others).take(MOST_BODIES) {
+                self.body_row(&mut rows, state, other, &moment);
+            }
+        }
         let margin_m = margin::lane_m(settings, &moment, state, &lateral);
         self.lane_rows(&mut rows, &lateral, margin_m);
         let direction = self.direction(state, frenet.as_ref());
@@ -112,7 +124,7 @@ impl Controller {
             let ahead = Frenet::new(self.path(), self.body(), leader).progress();
             let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
             let opening = ahead.rate_mps - own.rate_mps;
-            let (time_s, standstill_m) = (settings.time_s, settings.standstill_m);
+            let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
             return cbf::spaced(
                 self.body(),
                 state,
@@ -128,7 +140,7 @@ impl Controller {
             leader.velocity_mps(self.body().offset_m)
         };
         let place = [leader.x_m, leader.y_m];
-        let (time_s, standstill_m) = (settings.time_s, settings.standstill_m);
+        let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
         cbf::headway(self.body(), state, place, velocity, time_s, standstill_m)
     }
 
@@ -142,7 +154,8 @@ impl Controller {
     ) -> Lie {
         let settings = self.settings();
         let rate_1ps = settings.headway.rate_1ps;
-        let margin_m = margin::headway_m(settings, moment, state, leader.state.speed_mps);
+        let (leader_mps, time_s) = (leader.state.speed_mps, settings.headway.time_s);
+        let margin_m = margin::headway_m(settings, moment, state, leader_mps, time_s);
         let h = self.headway(state, &leader.state, frenet);
         if settings.is_literal(Literal::BarrierSign) {
             rows.barrier_as_printed(RowKind::Headway, &h, rate_1ps, margin_m);
@@ -162,6 +175,24 @@ impl Controller {
             rows.barrier(RowKind::HeadwayStopped, &stopped, rate_1ps, margin_m);
         }
         h
+    }
+
+    /// Along the path the offsets of two points of interest cancel, so that bodies are apart there by what their points are.
+    fn standstill_m(&self) -> f64 {
+        let standstill_m = self.settings().headway.standstill_m;
+        if self.settings().hardening.regards_every_robot() {
+            standstill_m.max(self.least_distance_m())
+        } else {
+            standstill_m
+        }
+    }
+
+    fn body_row(&self, rows: &mut Rows, state: &State, other: &State, moment: &Moment) {
+        let settings = self.settings();
+        let time_s = BODY_TIME_S.max(BODY_PERIODS * self.hold_s());
+        let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
+        let h = cbf::apart(self.body(), state, other, time_s, self.least_distance_m());
+        rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
     }
 
     pub(crate) fn lane_barriers(&self, lateral: &Lateral, margin_m: f64) -> LaneBarriers {

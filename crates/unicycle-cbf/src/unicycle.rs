@@ -3,7 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::library::Testbed;
 use crate::pose::{Speeds, State};
+
+/// How far a body reaches beyond its wheels where that is not known, in m.
+const BESIDE_WHEELS_M: f64 = 0.025;
 
 /// The sign `s` of the centripetal term in `v̇ = u_l/m − s a ω²`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -42,6 +46,9 @@ pub struct Body {
     pub centripetal: Centripetal,
     /// Distance between the wheels, in m
     pub wheel_base_m: f64,
+    /// Of the circle about the middle of the axle that nothing of the robot reaches out of, in m; see [`Body::radius_m`]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
     /// What each wheel can do at most, forward and backward, in m/s along the ground
     pub max_wheel_speed_mps: f64,
     /// How fast the robot may turn at most, in rad/s
@@ -104,8 +111,27 @@ impl Body {
         Error::positive("mass_kg", self.mass_kg)?;
         Error::positive("inertia_kgm2", self.inertia_kgm2)?;
         Error::positive("wheel_base_m", self.wheel_base_m)?;
+        Error::within("radius_m", self.radius_m(), 1e-3, 10.0)?;
         Error::positive("max_wheel_speed_mps", self.max_wheel_speed_mps)?;
         Error::positive("max_turn_rate_rad_s", self.max_turn_rate_rad_s)
+    }
+
+    /// Radius of the body about the middle of the axle, in m. Left out it is that of the testbed with this wheel base, else half the
+    /// wheel base and 25 mm.
+    #[must_use]
+    pub fn radius_m(&self) -> f64 {
+        let usual_m = || 0.5 * self.wheel_base_m + BESIDE_WHEELS_M;
+        let of_testbed = || Testbed::with_wheel_base(self.wheel_base_m)?.body().radius_m;
+        self.radius_m.or_else(of_testbed).unwrap_or_else(usual_m)
+    }
+
+    /// With everything that was left out.
+    #[must_use]
+    pub fn completed(self) -> Self {
+        Self {
+            radius_m: Some(self.radius_m()),
+            ..self
+        }
     }
 
     /// `v̇`

@@ -178,10 +178,12 @@ impl<'a> Listed<'a> {
     }
 }
 
-const COLUMNS: [&str; 8] = [
+const COLUMNS: [&str; 10] = [
     "runs",
     "out of lane",
     "too close",
+    "bodies too near",
+    "least gap mm",
     "least headway mm",
     "least clearance mm",
     "relaxed %",
@@ -194,6 +196,8 @@ fn cells(tally: &Tally) -> [String; COLUMNS.len()] {
         tally.runs.to_string(),
         tally.lane_departures.to_string(),
         tally.headway_violations.to_string(),
+        tally.near_bodies.to_string(),
+        number(tally.min_gap_m.map(|gap| 1e3 * gap), 1),
         number(tally.min_h_headway_m.map(|h| 1e3 * h), 1),
         number(1e3 * tally.min_lane_clearance_m, 1),
         number(tally.relaxed_pct, 3),

@@ -91,6 +91,11 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
     let table = log_file::read(file)?;
     let log = RunLog::from_table(&table)?;
     let replay = log.replay()?;
+    anyhow::ensure!(
+        replay.decisions > 0,
+        "{}: there is no whole step in it, so that nothing was compared",
+        file.display()
+    );
     let body = Again {
         scenario: &log.spec.scenario.name,
         testbed: &log.spec.scenario.testbed,

@@ -5,7 +5,9 @@ use clap::Args;
 use serde::Serialize;
 use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{Disturbances, Event, Figures, Run, RunSpec, Summary, Timing};
+use testbed_io::{
+    Disturbances, Event, Figures, LeastDistance, Run, RunSpec, Summary, Timing, Verdict,
+};
 use unicycle_cbf::Scenario;
 
 use super::live::{self, LiveArgs};
@@ -72,10 +74,19 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         // Where robots are is the business of another file.
         let spec = RunSpec {
             link: None,
+            scenario: scenario.spec().clone(),
             ..named.spec
         };
         output::print_text(&toml::to_string(&spec)?)?;
         return Ok(Outcome::Done);
+    }
+    let body = &named.spec.scenario.body;
+    if body.radius_m.is_none() {
+        let text = format!(
+            "the body's radius is not given; {} m about the middle of the axle is taken (`radius_m` under [scenario.body])",
+            number(body.radius_m(), 3)
+        );
+        output::note(context, &text);
     }
     if let Some(bend_m) = scenario.tight_bend_m() {
         let text = format!(
@@ -111,11 +122,13 @@ impl Ended {
         if let Some(live) = &self.live {
             live::check(live)?;
         }
-        Ok(if self.summary.safe {
-            Outcome::Done
-        } else {
-            Outcome::Negative
-        })
+        match self.summary.verdict {
+            Verdict::Safe => Ok(Outcome::Done),
+            Verdict::Unsafe => Ok(Outcome::Negative),
+            Verdict::NotKnown => anyhow::bail!(
+                "whether the robots were safe is not known: none was seen while the scenario ran"
+            ),
+        }
     }
 }
 
@@ -275,6 +288,30 @@ impl<'a> Body<'a> {
     }
 }
 
+fn verdict(summary: &Summary) -> String {
+    match (summary.verdict, summary.first_unsafe_s) {
+        (Verdict::Safe, _) => {
+            "safe: no robot left its lane, touched another or came too close".to_owned()
+        }
+        (Verdict::Unsafe, Some(time_s)) => format!("UNSAFE from {time_s:.2} s on"),
+        (Verdict::Unsafe, None) => "UNSAFE".to_owned(),
+        (Verdict::NotKnown, _) => "NOT KNOWN whether it was safe: no robot was seen".to_owned(),
+    }
+}
+
+fn nearest(least: &LeastDistance) -> String {
+    let LeastDistance {
+        robots: [a, b],
+        at_s,
+        centres_m,
+        ..
+    } = least;
+    format!(
+        "mm; robots {a} and {b} at {at_s:.2} s, {:.1} between centres",
+        1e3 * centres_m
+    )
+}
+
 fn text(named: &Named, ended: &Ended) -> String {
     let (summary, timing) = (&ended.summary, &ended.timing);
     let scenario = &named.spec.scenario;
@@ -282,6 +319,10 @@ fn text(named: &Named, ended: &Ended) -> String {
     let mut row = |name: &str, value: String, unit: &str| {
         table.row([name.to_owned(), value, unit.to_owned()]);
     };
+    if let Some(least) = &summary.least_distance {
+        let gap = number(1e3 * least.gap_m, 1);
+        row("least distance between bodies", gap, &nearest(least));
+    }
     row(
         "least headway barrier",
         number(summary.min_h_headway_m.map(|h| 1e3 * h), 1),
@@ -312,10 +353,7 @@ fn text(named: &Named, ended: &Ended) -> String {
     if let Some(live) = &ended.live {
         live::rows(live, &mut row);
     }
-    let verdict = match summary.first_unsafe_s {
-        None => "safe: no robot left its lane or came too close".to_owned(),
-        Some(time_s) => format!("UNSAFE from {time_s:.2} s on"),
-    };
+    let verdict = verdict(summary);
     let how = match &ended.live {
         Some(live) => live::ending_text(&live.ending),
         None => format!("seed {}", named.spec.seed),

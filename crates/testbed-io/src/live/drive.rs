@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use unicycle_cbf::{Scenario, Speeds, StampedPose};
+use unicycle_cbf::{Scenario, Speeds, StampedPose, State};
 
 use super::commands::Command;
 use super::counts::Counts;
@@ -36,6 +36,8 @@ pub(super) struct Drive<'a> {
     seen: Vec<Option<StampedPose>>,
     /// The newest of all, as measured
     measured: Vec<Option<StampedPose>>,
+    /// Of the points of interest, of poses that are fresh
+    places: Vec<Option<State>>,
     /// Of which the user was told that they are out of sight
     unseen: Vec<bool>,
     summary: Summarising,
@@ -52,6 +54,7 @@ impl<'a> Drive<'a> {
             convoy: Convoy::new(scenario),
             seen: vec![None; robots],
             measured: vec![None; robots],
+            places: Vec::with_capacity(robots),
             unseen: vec![false; robots],
             summary: Summarising::new(scenario),
         }
@@ -136,6 +139,7 @@ impl<'a> Drive<'a> {
             for tick in &ticks {
                 self.summary.add(tick);
             }
+            self.judge_distances(time_s);
             let counts = &self.link.inbox.counts();
             let missed = self.pacer.missed();
             let pose_ages_s = &self.pose_ages_s(time_s);
@@ -254,6 +258,19 @@ impl<'a> Drive<'a> {
         let state = own.pose.state(offset_m, speeds);
         let safety = self.scenario.controller().safety(&state, ahead.as_ref());
         Some(Truth { state, safety })
+    }
+
+    /// Of poses that are about as old as each other.
+    fn judge_distances(&mut self, time_s: f64) {
+        let offset_m = self.scenario.controller().body().offset_m;
+        let fresh = |seen: &StampedPose| time_s - seen.stamp_s <= BESIDE_S;
+        let places = self.measured.iter().map(|seen| {
+            let seen = seen.filter(fresh)?;
+            Some(seen.pose.state(offset_m, Speeds::ZERO))
+        });
+        self.places.clear();
+        self.places.extend(places);
+        self.summary.add_places(time_s, &self.places);
     }
 
     fn check_starts(&self) -> Result<(), Error> {

@@ -47,7 +47,7 @@ fn the_printed_sign_of_barrier_rows_protects_from_safety() {
     for (testbed, name, _) in THESIS {
         let summary = with(testbed, name, Literal::BarrierSign);
         assert!(
-            !summary.safe && summary.min_h_headway_m.unwrap() < -0.05,
+            summary.safe == Some(false) && summary.min_h_headway_m.unwrap() < -0.05,
             "{name}: {summary:?}"
         );
     }

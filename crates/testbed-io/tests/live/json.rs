@@ -157,7 +157,7 @@ fn a_recording_is_played_fast_and_in_real_time() {
         let took_s = start.elapsed().as_secs_f64();
         assert!((least_s..most_s).contains(&took_s), "{took_s} s");
         assert_eq!(report.ending, Ending::Finished);
-        assert!(summary.safe);
+        assert_eq!(summary.safe, Some(true));
         assert!(ticks.len() > recorded * 9 / 10);
         let seen = ticks.iter().filter(|tick| tick.seen.is_some()).count();
         assert!(seen > recorded * 8 / 10, "{seen} of {recorded}");
@@ -184,7 +184,7 @@ fn a_program_is_the_robots() {
     let link = link(2, program, CommandsSpec::Program);
     let (_, summary, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
     assert_eq!(report.ending, Ending::Finished);
-    assert!(report.untold.is_empty() && summary.safe);
+    assert!(report.untold.is_empty() && summary.safe == Some(true));
     assert!(summary.mean_speed_mps > 0.05, "{}", summary.mean_speed_mps);
 }
 

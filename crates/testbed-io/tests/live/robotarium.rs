@@ -66,7 +66,7 @@ impl RobotariumTestbed {
     fn assert_safe(&self, summary: &Summary) {
         let nearest_m = self.peer.nearest_m(IDS[0], IDS[1]);
         println!("nearest {nearest_m} m, {summary:?}");
-        assert!(summary.safe);
+        assert_eq!(summary.safe, Some(true));
         for id in IDS {
             assert_eq!(self.peer.commands(id).last().unwrap().speeds, Speeds::ZERO);
         }

@@ -24,7 +24,7 @@ pub(super) struct Scaled<const N: usize> {
     pub(super) limits: [f64; MAX_ROWS],
     pub(super) count: usize,
     /// Bits of the rows that contradict active ones by no more than round-off
-    passed: u16,
+    passed: u32,
 }
 
 impl<const N: usize> Scaled<N> {
