@@ -340,7 +340,10 @@ impl Campaign {
             headway_mm: Histogram::new(summaries.iter().filter_map(|s| s.min_h_headway_m)),
             clearance_mm: Histogram::new(summaries.iter().map(|s| s.lane_clearance_m)),
         });
-        let unsafe_runs = summaries.iter().enumerate().filter(|(_, s)| s.verdict != Verdict::Safe);
+        let unsafe_runs = summaries
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.verdict != Verdict::Safe);
         let violations = unsafe_runs.take(LISTED).map(|(index, summary)| {
             let scenario = scenarios[index % scenarios.len()];
             Violation {

@@ -1,6 +1,6 @@
 //! Campaigns: counts, reproducibility, and that the hardened preset holds.
 
-use testbed_io::{Campaign, Disturbances, Group, NamedScenario, RunSpec, SettingsOf};
+use testbed_io::{Campaign, Disturbances, Group, NamedScenario, RunSpec, SettingsOf, Violation};
 use unicycle_cbf::{Preset, Testbed};
 
 fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
@@ -35,7 +35,15 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
         .run(&|| {})
         .unwrap();
     let (calm, rough) = (&report.totals[0].tally, &report.totals[1].tally);
-    assert_eq!(calm.violations, 0, "{:?}", report.violations);
+    // The thesis's rows hold where nothing disturbs; that bodies touch all the same is what they do not see.
+    let calm_ones = |v: &&Violation| v.disturbance == Group::None;
+    for violation in report.violations.iter().filter(calm_ones) {
+        let gap_m = violation.least_distance.unwrap().gap_m;
+        let rows_hold =
+            violation.min_h_headway_m.is_none_or(|h| h >= 0.0) && violation.lane_clearance_m >= 0.0;
+        assert!(rows_hold && gap_m < 0.025, "{violation:?}");
+    }
+    assert!(calm.violations > 0);
     assert!(rough.violations > 20, "{}", rough.violations);
     let rows = report
         .rows
@@ -45,7 +53,14 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
         rows.map(|row| row.tally.violations).sum::<usize>(),
         rough.violations
     );
-    assert_eq!(report.violations.len(), 20);
+    assert_eq!(
+        report
+            .violations
+            .iter()
+            .filter(|v| v.disturbance == Group::All)
+            .count(),
+        20
+    );
     for violation in &report.violations {
         let testbed = Testbed::ALL
             .into_iter()

@@ -43,7 +43,10 @@ fn the_five_runs_of_the_thesis_are_safe_without_a_fallback() {
         let half_width_m = scenario.controller.lane.half_width_m;
         let summary = undisturbed(scenario);
         println!("{} {name}: {summary:?}", testbed.name());
-        assert!(!summary.bodies_were_near || testbed == Testbed::Robotarium, "{name}");
+        assert!(
+            !summary.bodies_were_near || testbed == Testbed::Robotarium,
+            "{name}"
+        );
         assert!(summary.min_h_lane >= 0.0 && summary.max_abs_lateral_m < half_width_m);
         assert_eq!((summary.outcomes.relaxed, summary.outcomes.braking), (0, 0));
         let least = summary.min_h_headway_m.unwrap();
@@ -178,7 +181,10 @@ fn a_robot_that_starts_outside_its_lane_comes_back_and_the_run_says_so() {
             link: None,
         };
         let (run, summary) = spec.simulate().unwrap();
-        assert_eq!((summary.safe, summary.first_unsafe_s), (Some(false), Some(0.0)));
+        assert_eq!(
+            (summary.safe, summary.first_unsafe_s),
+            (Some(false), Some(0.0))
+        );
         let last = run.ticks.iter().rev().find(|tick| tick.robot == 1).unwrap();
         let deviation_m = last.truth.unwrap().safety.deviation_m;
         assert!(
