@@ -4,6 +4,7 @@ use crate::cbf::LaneBarrier;
 use crate::decision::{Brake, Decision, Outcome, Terms};
 use crate::error::Error;
 use crate::lateral::{Deviation, Frenet, Lateral, radial};
+use crate::limits::Limits;
 use crate::path::Path;
 use crate::pose::State;
 use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
@@ -83,6 +84,7 @@ pub struct Controller {
     body: Body,
     settings: ControllerSettings,
     hold_s: f64,
+    limits: Limits,
 }
 
 impl Controller {
@@ -94,18 +96,21 @@ impl Controller {
     pub fn new(
         path: Path,
         body: Body,
-        settings: ControllerSettings,
+        mut settings: ControllerSettings,
         hold_s: f64,
     ) -> Result<Self, Error> {
         body.check()?;
         let body = body.completed();
         settings.check()?;
         Error::positive("hold_s", hold_s)?;
+        let limits = Limits::new(&path, &body, &settings, hold_s)?;
+        settings.lane = settings.lane.with_rates(limits.lane_rates_1ps);
         Ok(Self {
             path,
             body,
             settings,
             hold_s,
+            limits,
         })
     }
 
@@ -121,7 +126,13 @@ impl Controller {
         &self.body
     }
 
-    /// The settings
+    /// What fits the lane
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The settings, with rates of the lane that the period allows
     #[must_use]
     pub fn settings(&self) -> &ControllerSettings {
         &self.settings
@@ -283,7 +294,11 @@ impl Controller {
         let [force_n, torque_nm, ..] = terms.solution.z;
         let input = Input { force_n, torque_nm };
         let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
-        let wheels = self.body.clipped(speeds);
+        let driven = Body {
+            max_wheel_speed_mps: self.limits.wheel_speed_mps,
+            ..self.body
+        };
+        let wheels = driven.clipped(speeds);
         if !wheels.left_mps.is_finite() || !wheels.right_mps.is_finite() {
             return Decision::braking(Brake::NotFinite, Some(*state), Some(terms));
         }

@@ -21,7 +21,7 @@ pub enum Outcome {
         /// By how much `a·z` exceeds `b`, in the units of the row
         by: f64,
     },
-    /// Zero speed
+    /// Zero speed, with wheel rows as soon as the wheels can
     Braking {
         /// Why
         reason: Brake,

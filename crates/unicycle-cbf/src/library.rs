@@ -97,6 +97,7 @@ impl Testbed {
                 radius_m: Some(0.065),
                 max_wheel_speed_mps: 0.3148,
                 max_turn_rate_rad_s: 2.2763,
+                max_wheel_acceleration_mps2: Some(5.0),
             },
             Self::Robotarium => Body {
                 offset_m: 0.04,
@@ -107,6 +108,7 @@ impl Testbed {
                 radius_m: Some(0.055),
                 max_wheel_speed_mps: 0.2,
                 max_turn_rate_rad_s: 0.4 / 0.11,
+                max_wheel_acceleration_mps2: Some(5.0),
             },
         }
     }

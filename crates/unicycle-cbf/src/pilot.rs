@@ -1,7 +1,7 @@
 //! The controller of one robot over time: observer, watchdog, and the speeds sent last.
 
 use crate::controller::{Around, Controller, Leader, Objectives};
-use crate::decision::{Brake, Decision};
+use crate::decision::{Brake, Decision, Outcome};
 use crate::pose::{Pose, Speeds, State};
 use crate::predictor::{Predictor, StampedPose};
 
@@ -92,6 +92,28 @@ impl Pilot {
 
     /// Decides at `now_s`; all others are given as they were before their own steps at this time, the nearest first.
     pub fn decide_among(
+        &self,
+        controller: &Controller,
+        now_s: f64,
+        ahead: Ahead,
+        others: &[State],
+        objectives: &Objectives,
+    ) -> Decision {
+        let decision = self.wanted(controller, now_s, ahead, others, objectives);
+        let slows = matches!(decision.outcome, Outcome::Braking { .. });
+        if !slows || !controller.settings().hardening.wheel_rows {
+            return decision;
+        }
+        let body = controller.body();
+        let speeds = body.braked(self.speeds, controller.hold_s());
+        Decision {
+            speeds,
+            wheels: body.wheel_speeds(speeds),
+            ..decision
+        }
+    }
+
+    fn wanted(
         &self,
         controller: &Controller,
         now_s: f64,

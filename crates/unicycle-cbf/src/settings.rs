@@ -193,6 +193,23 @@ impl LaneSettings {
     }
 }
 
+impl LaneSettings {
+    /// With `k1` and `k2`, or the rate of other barriers.
+    pub(crate) fn with_rates(self, [first_1ps, rate_1ps]: [f64; 2]) -> Self {
+        let barrier = match self.barrier {
+            LaneBarrier::Exponential { .. } => LaneBarrier::Exponential {
+                rate_1ps: first_1ps,
+            },
+            barrier => barrier,
+        };
+        Self {
+            barrier,
+            rate_1ps,
+            ..self
+        }
+    }
+}
+
 impl Preset {
     /// As in files.
     #[must_use]

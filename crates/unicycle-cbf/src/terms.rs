@@ -60,8 +60,9 @@ impl Controller {
                 self.body_row(&mut rows, state, other, &moment);
             }
         }
-        let margin_m = margin::lane_m(settings, &moment, state, &lateral);
-        self.lane_rows(&mut rows, &lateral, margin_m);
+        let limits = self.limits();
+        let taken_m = settings.lane.half_width_m - limits.half_width_m + limits.lane_margin_m;
+        self.lane_rows(&mut rows, &lateral, taken_m);
         let direction = self.direction(state, frenet.as_ref());
         if let Some(h) = &direction {
             rows.barrier(RowKind::Direction, h, DIRECTION_RATES_1PS[1], 0.0);
@@ -99,7 +100,7 @@ impl Controller {
             hold_s: self.hold_s(),
             age_s,
             offset_m: self.body().offset_m,
-            wheel_base_m: self.body().wheel_base_m,
+            wheel_acceleration_mps2: self.body().wheel_acceleration_mps2(),
         }
     }
 
@@ -220,8 +221,8 @@ impl Controller {
         }
     }
 
-    /// Wheel speeds and turn rate of the next command stay within the limits: linear in the inputs but for the change of `ω²` within the
-    /// period.
+    /// Wheel speeds and turn rate of the next command stay within the limits, and wheels change no faster than they may: linear in the
+    /// inputs but for the change of `ω²` within the period.
     fn wheel_rows(&self, rows: &mut Rows, state: &State) {
         let body = self.body();
         let change = body.acceleration(state.turn_rate_rad_s);
@@ -231,32 +232,42 @@ impl Controller {
             control: [0.0, self.hold_s() / body.inertia_kgm2],
         };
         let half_m = 0.5 * body.wheel_base_m;
+        let wheels = body.wheel_speeds(state.speeds());
+        let [right, left] = [wheels.right_mps, wheels.left_mps];
+        let turn_limit = body.max_turn_rate_rad_s;
         let limits = [
             (
                 RowKind::RightForward,
                 [1.0, half_m],
-                body.max_wheel_speed_mps,
+                self.next_at_most_mps(right),
             ),
             (
                 RowKind::RightBackward,
                 [-1.0, -half_m],
-                body.max_wheel_speed_mps,
+                self.next_at_most_mps(-right),
             ),
             (
                 RowKind::LeftForward,
                 [1.0, -half_m],
-                body.max_wheel_speed_mps,
+                self.next_at_most_mps(left),
             ),
             (
                 RowKind::LeftBackward,
                 [-1.0, half_m],
-                body.max_wheel_speed_mps,
+                self.next_at_most_mps(-left),
             ),
-            (RowKind::TurnLeft, [0.0, 1.0], body.max_turn_rate_rad_s),
-            (RowKind::TurnRight, [0.0, -1.0], body.max_turn_rate_rad_s),
+            (RowKind::TurnLeft, [0.0, 1.0], turn_limit),
+            (RowKind::TurnRight, [0.0, -1.0], turn_limit),
         ];
         for (kind, [by_speed, by_turn], limit) in limits {
             rows.at_most(kind, speed.combined(by_speed, turn, by_turn, 0.0), limit);
         }
+    }
+
+    /// The most that a wheel of this speed may do in the next period, in m/s: its limit, as far as it can get there.
+    fn next_at_most_mps(&self, wheel_mps: f64) -> f64 {
+        let change_mps = self.body().wheel_acceleration_mps2() * self.hold_s();
+        let limit_mps = self.limits().wheel_speed_mps;
+        limit_mps.clamp(wheel_mps - change_mps, wheel_mps + change_mps)
     }
 }

@@ -8,6 +8,8 @@ use crate::pose::{Speeds, State};
 
 /// How far a body reaches beyond its wheels where that is not known, in m.
 const BESIDE_WHEELS_M: f64 = 0.025;
+/// How fast wheels of small robots change their speed, in m/s².
+const USUAL_WHEEL_ACCELERATION_MPS2: f64 = 5.0;
 
 /// The sign `s` of the centripetal term in `v̇ = u_l/m − s a ω²`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -53,6 +55,9 @@ pub struct Body {
     pub max_wheel_speed_mps: f64,
     /// How fast the robot may turn at most, in rad/s
     pub max_turn_rate_rad_s: f64,
+    /// How fast the speed of each wheel may change, in m/s²; see [`Body::wheel_acceleration_mps2`]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_wheel_acceleration_mps2: Option<f64>,
 }
 
 /// What the quadratic program decides.
@@ -113,7 +118,11 @@ impl Body {
         Error::positive("wheel_base_m", self.wheel_base_m)?;
         Error::within("radius_m", self.radius_m(), 1e-3, 10.0)?;
         Error::positive("max_wheel_speed_mps", self.max_wheel_speed_mps)?;
-        Error::positive("max_turn_rate_rad_s", self.max_turn_rate_rad_s)
+        Error::positive("max_turn_rate_rad_s", self.max_turn_rate_rad_s)?;
+        Error::positive(
+            "max_wheel_acceleration_mps2",
+            self.wheel_acceleration_mps2(),
+        )
     }
 
     /// Radius of the body about the middle of the axle, in m. Left out it is that of the testbed with this wheel base, else half the
@@ -125,11 +134,35 @@ impl Body {
         self.radius_m.or_else(of_testbed).unwrap_or_else(usual_m)
     }
 
+    /// How fast the speed of each wheel may change, in m/s²: 5 where it was left out.
+    #[must_use]
+    pub fn wheel_acceleration_mps2(&self) -> f64 {
+        self.max_wheel_acceleration_mps2
+            .unwrap_or(USUAL_WHEEL_ACCELERATION_MPS2)
+    }
+
+    /// Speeds after a period of braking: slower on the same arc, no wheel faster than it may.
+    #[must_use]
+    pub fn braked(&self, speeds: Speeds, duration_s: f64) -> Speeds {
+        let wheels = self.wheel_speeds(speeds);
+        let fastest_mps = wheels.left_mps.abs().max(wheels.right_mps.abs());
+        let slower_mps = fastest_mps - self.wheel_acceleration_mps2() * duration_s;
+        if slower_mps.is_nan() || slower_mps <= 0.0 {
+            return Speeds::ZERO;
+        }
+        let share = slower_mps / fastest_mps;
+        Speeds {
+            speed_mps: share * speeds.speed_mps,
+            turn_rate_rad_s: share * speeds.turn_rate_rad_s,
+        }
+    }
+
     /// With everything that was left out.
     #[must_use]
     pub fn completed(self) -> Self {
         Self {
             radius_m: Some(self.radius_m()),
+            max_wheel_acceleration_mps2: Some(self.wheel_acceleration_mps2()),
             ..self
         }
     }

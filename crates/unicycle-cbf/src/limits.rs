@@ -1,0 +1,182 @@
+//! What a robot may do so that errors within their stated bounds cannot take it out of its lane.
+//!
+//! *The guarantee* of docs/methods/control.md. With `V` the largest speed of a wheel, `w` its relative error, `l` between the wheels,
+//! `a` to the point of interest, `ε` and `ε_ψ` the noise, `A` the oldest pose that is acted on and `T` the period:
+//!
+//! ```text
+//! turn rate  Δω = 2 w V/l                      of two wheels that are off in opposite ways
+//! heading    Δψ = 2 ε_ψ + (A + T) Δω
+//! place      e0 = 2 (ε + a ε_ψ) + V A (2 ε_ψ + Δω A/2)
+//! ẏ          e1 = V Δψ + a Δω
+//! ÿ          e2 = V Δω
+//! margin     e0 + e1 (k1 + k2)/(k1 k2) + e2/(k1 k2)
+//! ```
+//!
+//! `ÿ + (k1 + k2) ẏ + k1 k2 y ≤ k1 k2 (d − margin)` holds for what the controller believes, hence with `d` for what is true, and then
+//! `y ≤ d` is kept. Noise counts twice, because real noise exceeds a bound that was read off its standard deviation.
+
+use crate::cbf::LaneBarrier;
+use crate::error::Error;
+use crate::lateral::Deviation;
+use crate::path::Path;
+use crate::settings::ControllerSettings;
+use crate::unicycle::Body;
+
+/// Share of the half width that margins may take at most: a robot at its limit has the rest to move in.
+const MOST_OF_LANE: f64 = 0.8;
+/// Share of the radius of the tightest bend that the lane is used to at most.
+const MOST_OF_BEND: f64 = 0.7;
+/// How often noise is counted.
+const NOISE_PEAKS: f64 = 2.0;
+/// Time in which motors follow a command, in s.
+const MOTORS_S: f64 = 0.02;
+/// `(T + motors) (k1 + k2)` at most: what rows of a held command have to leave of the lane in a period.
+const MOST_DECAY: f64 = 0.5;
+/// Share of the stated wheel speed below which a scenario is refused.
+const LEAST_SPEED_SHARE: f64 = 0.02;
+
+/// The limits of one controller, and how they came about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Speed of each wheel, in m/s: the body's, or what fits the lane
+    pub wheel_speed_mps: f64,
+    /// Half width that the rows use, before margins, in m: the lane's, or what the tightest bend leaves of it
+    pub half_width_m: f64,
+    /// Taken off it, in m
+    pub lane_margin_m: f64,
+    /// What would have to be taken off it at the body's wheel speed, in m
+    pub margin_at_full_speed_m: f64,
+    /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
+    pub lane_rates_1ps: [f64; 2],
+}
+
+impl Limits {
+    /// # Errors
+    ///
+    /// A lane that is too narrow for the errors at any speed.
+    pub(crate) fn new(
+        path: &Path,
+        body: &Body,
+        settings: &ControllerSettings,
+        hold_s: f64,
+    ) -> Result<Self, Error> {
+        let errors = Errors::new(body, settings, hold_s);
+        let half_width_m = errors.half_width_m(path);
+        let room_m = MOST_OF_LANE * half_width_m;
+        let full_mps = body.max_wheel_speed_mps;
+        let margin_at_full_speed_m = errors.margin_m(full_mps);
+        let at = |wheel_speed_mps| Self {
+            wheel_speed_mps,
+            half_width_m,
+            lane_margin_m: errors.margin_m(wheel_speed_mps),
+            margin_at_full_speed_m,
+            lane_rates_1ps: errors.rates_1ps,
+        };
+        if margin_at_full_speed_m <= room_m || !errors.are_any() {
+            return Ok(at(full_mps));
+        }
+        let least_mps = LEAST_SPEED_SHARE * full_mps;
+        if errors.margin_m(least_mps) > room_m {
+            return Err(too_narrow(
+                half_width_m,
+                errors.margin_m(least_mps),
+                least_mps,
+            ));
+        }
+        Ok(at(errors.fastest_mps([least_mps, full_mps], room_m)))
+    }
+}
+
+fn too_narrow(half_width_m: f64, margin_m: f64, least_mps: f64) -> Error {
+    Error::Contradiction {
+        what: format!(
+            "the lane is too narrow: the errors of poses and wheels that `hardening` states take {:.1} mm off its half width of {:.1} mm even \
+             with wheels at {least_mps:.3} m/s, and {:.0} % may go; widen `lane.half_width_m`, or state smaller `position_noise_m`, \
+             `heading_noise_rad`, `wheel_error`, `max_pose_age_s` or `lane.margin_m`",
+            1e3 * margin_m,
+            1e3 * half_width_m,
+            100.0 * MOST_OF_LANE,
+        ),
+    }
+}
+
+/// What may be wrong, as stated.
+struct Errors<'a> {
+    body: &'a Body,
+    settings: &'a ControllerSettings,
+    hold_s: f64,
+    rates_1ps: [f64; 2],
+}
+
+impl<'a> Errors<'a> {
+    fn new(body: &'a Body, settings: &'a ControllerSettings, hold_s: f64) -> Self {
+        let lane = &settings.lane;
+        let rates_1ps = match lane.barrier {
+            LaneBarrier::Exponential { rate_1ps } => [rate_1ps, lane.rate_1ps],
+            LaneBarrier::Quadratic { .. } | LaneBarrier::Braking { .. } => [lane.rate_1ps; 2],
+        };
+        let mut errors = Self {
+            body,
+            settings,
+            hold_s,
+            rates_1ps,
+        };
+        if errors.is_exponential() && settings.hardening.sampling_margin {
+            let decay = (hold_s + MOTORS_S) * (rates_1ps[0] + rates_1ps[1]);
+            let share = (MOST_DECAY / decay).min(1.0);
+            errors.rates_1ps = rates_1ps.map(|rate| share * rate);
+        }
+        errors
+    }
+
+    fn is_exponential(&self) -> bool {
+        matches!(self.settings.lane.barrier, LaneBarrier::Exponential { .. })
+    }
+
+    /// Whether the margin is more than what was set by hand.
+    fn are_any(&self) -> bool {
+        self.margin_m(self.body.max_wheel_speed_mps) > self.settings.lane.margin_m
+    }
+
+    fn half_width_m(&self, path: &Path) -> f64 {
+        let lane = &self.settings.lane;
+        let radial = matches!(path, Path::Polar(_)) && lane.deviation == Deviation::Radial;
+        if !self.is_exponential() || radial {
+            return lane.half_width_m;
+        }
+        lane.half_width_m
+            .min(MOST_OF_BEND / path.max_curvature_1pm())
+    }
+
+    fn margin_m(&self, wheel_speed_mps: f64) -> f64 {
+        let (hardening, offset_m) = (&self.settings.hardening, self.body.offset_m);
+        let age_s = hardening.max_pose_age_s.unwrap_or(0.0);
+        let noise_rad = NOISE_PEAKS * hardening.heading_noise_rad;
+        let noise_m = NOISE_PEAKS * hardening.position_noise_m + offset_m * noise_rad;
+        let turn_rad_s = 2.0 * hardening.wheel_error * wheel_speed_mps / self.body.wheel_base_m;
+        let heading_rad = noise_rad + (age_s + self.hold_s) * turn_rad_s;
+        let place_m = noise_m + wheel_speed_mps * age_s * (noise_rad + 0.5 * turn_rad_s * age_s);
+        let rate_mps = wheel_speed_mps * heading_rad + offset_m * turn_rad_s;
+        let acceleration_mps2 = wheel_speed_mps * turn_rad_s;
+        let [k1, k2] = self.rates_1ps;
+        let farther_m = if self.is_exponential() {
+            (rate_mps * (k1 + k2) + acceleration_mps2) / (k1 * k2)
+        } else {
+            0.0
+        };
+        self.settings.lane.margin_m + place_m + farther_m
+    }
+
+    /// The fastest wheels between two speeds whose margin fits, by bisection: it grows with the speed.
+    fn fastest_mps(&self, [mut slow_mps, mut fast_mps]: [f64; 2], room_m: f64) -> f64 {
+        for _ in 0..60 {
+            let middle_mps = 0.5 * (slow_mps + fast_mps);
+            if self.margin_m(middle_mps) <= room_m {
+                slow_mps = middle_mps;
+            } else {
+                fast_mps = middle_mps;
+            }
+        }
+        slow_mps
+    }
+}
