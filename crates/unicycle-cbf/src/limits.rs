@@ -24,7 +24,7 @@ use crate::unicycle::Body;
 
 /// Share of the half width that margins may take at most: a robot at its limit has the rest to move in.
 const MOST_OF_LANE: f64 = 0.8;
-/// Share of the radius of the tightest bend that the lane is used to at most.
+/// Share of the radius of the tightest bend that rows let the point of interest use.
 const MOST_OF_BEND: f64 = 0.7;
 /// How often noise is counted.
 const NOISE_PEAKS: f64 = 2.0;
@@ -40,10 +40,10 @@ const LEAST_SPEED_SHARE: f64 = 0.02;
 pub struct Limits {
     /// Speed of each wheel, in m/s: the body's, or what fits the lane
     pub wheel_speed_mps: f64,
-    /// Half width that the rows use, before margins, in m: the lane's, or what the tightest bend leaves of it
-    pub half_width_m: f64,
-    /// Taken off it, in m
+    /// Taken off the half width of the lane for errors, in m
     pub lane_margin_m: f64,
+    /// What rows keep the point of interest within, in m: what the margin leaves, or the tightest bend
+    pub half_width_m: f64,
     /// What would have to be taken off it at the body's wheel speed, in m
     pub margin_at_full_speed_m: f64,
     /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
@@ -61,16 +61,19 @@ impl Limits {
         hold_s: f64,
     ) -> Result<Self, Error> {
         let errors = Errors::new(body, settings, hold_s);
-        let half_width_m = errors.half_width_m(path);
+        let half_width_m = settings.lane.half_width_m;
         let room_m = MOST_OF_LANE * half_width_m;
         let full_mps = body.max_wheel_speed_mps;
         let margin_at_full_speed_m = errors.margin_m(full_mps);
-        let at = |wheel_speed_mps| Self {
-            wheel_speed_mps,
-            half_width_m,
-            lane_margin_m: errors.margin_m(wheel_speed_mps),
-            margin_at_full_speed_m,
-            lane_rates_1ps: errors.rates_1ps,
+        let at = |wheel_speed_mps| {
+            let lane_margin_m = errors.margin_m(wheel_speed_mps);
+            Self {
+                wheel_speed_mps,
+                lane_margin_m,
+                half_width_m: (half_width_m - lane_margin_m).min(errors.bend_m(path)),
+                margin_at_full_speed_m,
+                lane_rates_1ps: errors.rates_1ps,
+            }
         };
         if margin_at_full_speed_m <= room_m || !errors.are_any() {
             return Ok(at(full_mps));
@@ -138,14 +141,13 @@ impl<'a> Errors<'a> {
         self.margin_m(self.body.max_wheel_speed_mps) > self.settings.lane.margin_m
     }
 
-    fn half_width_m(&self, path: &Path) -> f64 {
-        let lane = &self.settings.lane;
-        let radial = matches!(path, Path::Polar(_)) && lane.deviation == Deviation::Radial;
-        if !self.is_exponential() || radial {
-            return lane.half_width_m;
+    /// How far from the path places belong to one place of it.
+    fn bend_m(&self, path: &Path) -> f64 {
+        let radial = self.settings.lane.deviation == Deviation::Radial;
+        if !self.is_exponential() || radial && matches!(path, Path::Polar(_)) {
+            return f64::INFINITY;
         }
-        lane.half_width_m
-            .min(MOST_OF_BEND / path.max_curvature_1pm())
+        MOST_OF_BEND / path.max_curvature_1pm()
     }
 
     fn margin_m(&self, wheel_speed_mps: f64) -> f64 {

@@ -141,6 +141,7 @@ impl Scenario {
             starts,
         };
         scenario.check_order()?;
+        scenario.check_room()?;
         Ok(scenario)
     }
 
@@ -260,6 +261,41 @@ impl Scenario {
                     -gap_m
                 ),
             });
+        }
+        Ok(())
+    }
+}
+
+impl Scenario {
+    /// Of controllers that regard every robot: all stand apart, and whoever follows has its standstill gap.
+    fn check_room(&self) -> Result<(), Error> {
+        let controller = &self.controller;
+        if !controller.settings().hardening.regards_every_robot() {
+            return Ok(());
+        }
+        let state = |pose: &Pose| pose.state(controller.body().offset_m, Speeds::ZERO);
+        for (robot, own) in self.starts.iter().enumerate() {
+            for (other, place) in self.starts[..robot].iter().enumerate() {
+                let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
+                let least_m = controller.least_distance_m();
+                let headway_m = (other + 1 == robot
+                    && controller.follows(&state(own), &state(place)))
+                .then(|| controller.headway(&state(own), &state(place), None).value);
+                if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
+                    continue;
+                }
+                let least_m = least_m.max(controller.standstill_m());
+                return Err(Error::Start {
+                    robot,
+                    what: format!(
+                        "starts {apart_m:.3} m from robot {other}, and {least_m:.3} m are needed: both radii of {:.3} m and `headway.clearance_m` of {:.3} m, \
+                         or `headway.standstill_m` of {:.3} m",
+                        controller.body().radius_m(),
+                        controller.settings().headway.clearance_m,
+                        controller.settings().headway.standstill_m,
+                    ),
+                });
+            }
         }
         Ok(())
     }

@@ -60,8 +60,7 @@ impl Controller {
                 self.body_row(&mut rows, state, other, &moment);
             }
         }
-        let limits = self.limits();
-        let taken_m = settings.lane.half_width_m - limits.half_width_m + limits.lane_margin_m;
+        let taken_m = settings.lane.half_width_m - self.limits().half_width_m;
         self.lane_rows(&mut rows, &lateral, taken_m);
         let direction = self.direction(state, frenet.as_ref());
         if let Some(h) = &direction {
@@ -179,7 +178,7 @@ impl Controller {
     }
 
     /// Along the path the offsets of two points of interest cancel, so that bodies are apart there by what their points are.
-    fn standstill_m(&self) -> f64 {
+    pub(crate) fn standstill_m(&self) -> f64 {
         let standstill_m = self.settings().headway.standstill_m;
         if self.settings().hardening.regards_every_robot() {
             standstill_m.max(self.least_distance_m())
@@ -192,8 +191,16 @@ impl Controller {
         let settings = self.settings();
         let time_s = BODY_TIME_S.max(BODY_PERIODS * self.hold_s());
         let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
-        let h = cbf::apart(self.body(), state, other, time_s, self.least_distance_m());
+        let least_m = self.standstill_m() + self.between_points_m(state, other);
+        let h = cbf::apart(self.body(), state, other, time_s, least_m);
         rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
+    }
+
+    /// By how much two points of interest can be nearer to each other than the axles of robots that travel the same way, in m: whoever
+    /// follows keeps its headway from point to point.
+    fn between_points_m(&self, state: &State, other: &State) -> f64 {
+        let turn_rad = other.heading_rad - state.heading_rad;
+        2.0 * self.body().offset_m * (0.5 * turn_rad).sin().abs() * turn_rad.cos().max(0.0)
     }
 
     pub(crate) fn lane_barriers(&self, lateral: &Lateral, margin_m: f64) -> LaneBarriers {

@@ -15,6 +15,7 @@ mod log_file;
 mod natnet;
 mod natnet_axes;
 mod natnet_messages;
+mod random;
 mod recorded;
 mod replay;
 mod robotarium;
