@@ -1,9 +1,17 @@
 //! The controllers of all robots of a scenario, run in step by one computer.
 
-use unicycle_cbf::{Ahead, Decision, Pilot, Scenario, Sighting, Speeds, StampedPose, State};
+use unicycle_cbf::{
+    Ahead, Brake, Decision, Pilot, RowKind, Scenario, Sighting, Speeds, StampedPose, State,
+    Surroundings,
+};
+
+use crate::right_of_way::{Places, RightOfWay};
 
 /// Others beside the robot ahead that one regards.
 const MOST_OTHERS: usize = 4;
+/// How long robots stand and wait for each other before that is a deadlock, in s, and how slow that is, in m/s.
+const DEADLOCK_S: f64 = 3.0;
+const STANDING_MPS: f64 = 2e-3;
 
 /// One controller per robot, from the front.
 #[derive(Debug, Clone)]
@@ -13,6 +21,18 @@ pub struct Convoy<'a> {
     /// All robots as they were before anybody's decision at a time
     sight: Vec<Option<Sighted>>,
     sight_at_s: f64,
+    /// Along the path, and from there to the next robot ahead, in m
+    along_m: Vec<f64>,
+    room_m: Vec<f64>,
+    right_of_way: RightOfWay,
+    held: Vec<Option<Hold>>,
+}
+
+/// A robot that stands because of another one.
+#[derive(Debug, Clone, Copy)]
+struct Hold {
+    by: usize,
+    since_s: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +62,10 @@ impl<'a> Convoy<'a> {
         Self {
             scenario,
             sight: vec![None; robots.len()],
+            along_m: vec![f64::NAN; robots.len()],
+            room_m: vec![f64::INFINITY; robots.len()],
+            right_of_way: RightOfWay::new(scenario.controller(), robots.len()),
+            held: vec![None; robots.len()],
             pilots: robots.map(pilot).collect(),
             sight_at_s: f64::NAN,
         }
@@ -81,10 +105,62 @@ impl<'a> Convoy<'a> {
             || self.nobody_or_unseen(robot),
             |leader| self.sight[leader].map(|seen| seen.sighting).into(),
         );
-        let others = self.nearest(robot, leader);
-        let count = others.iter().flatten().count();
-        let others = others.map(|state| state.unwrap_or(NOWHERE));
-        pilot.decide_among(controller, now_s, ahead, &others[..count], &objectives)
+        let nearest = self.nearest(robot, leader);
+        let count = nearest.iter().flatten().count();
+        let state = |other: Option<usize>| self.sight[other?].map(|seen| *seen.state());
+        let others = nearest.map(|other| state(other).unwrap_or(State::ORIGIN));
+        let wait = self.right_of_way.wait(&self.places(), robot);
+        let around = Surroundings {
+            ahead,
+            others: &others[..count],
+            stop_line_m: wait.map(|wait| wait.line_m),
+        };
+        let decision = pilot.decide_among(controller, now_s, around, &objectives);
+        let bodies = leader.into_iter().chain(nearest.into_iter().flatten());
+        let by = if decision.is_held_by(RowKind::GiveWay) {
+            wait.map(|wait| wait.robot)
+        } else if decision.is_held_by(RowKind::Headway)
+            || decision.is_held_by(RowKind::HeadwayStopped)
+        {
+            leader
+        } else {
+            decision
+                .held_by_body()
+                .and_then(|body| bodies.clone().nth(body))
+        };
+        let stands = decision.speeds.speed_mps.abs() < STANDING_MPS;
+        let hold = by.filter(|by| stands && *by != robot);
+        self.held[robot] = hold.map(|by| {
+            let known = self.held[robot].filter(|known| known.by == by);
+            known.unwrap_or(Hold { by, since_s: now_s })
+        });
+        if self.is_in_a_circle(robot, now_s) {
+            return decision.stopped(Brake::Deadlock);
+        }
+        decision
+    }
+
+    /// Whether a robot waits for one that waits, and so on, for itself, all for some time.
+    fn is_in_a_circle(&self, robot: usize, now_s: f64) -> bool {
+        let mut at = robot;
+        for _ in 0..self.robots() {
+            match self.held[at] {
+                Some(hold) if now_s - hold.since_s >= DEADLOCK_S => at = hold.by,
+                _ => return false,
+            }
+            if at == robot {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn places(&self) -> Places<'_> {
+        Places {
+            controller: self.scenario.controller(),
+            along_m: &self.along_m,
+            room_m: &self.room_m,
+        }
     }
 
     /// What a robot does from `now_s` on.
@@ -101,16 +177,33 @@ impl<'a> Convoy<'a> {
         let controller = self.scenario.controller();
         let along = controller.settings().hardening.regards_every_robot() && self.robots() > 1;
         for (pilot, sight) in self.pilots.iter().zip(&mut self.sight) {
-            *sight = pilot.sighting(controller, now_s).map(|sighting| {
-                let State { x_m, y_m, .. } = sighting.leader.state;
-                let s_m = if along {
-                    controller.path().nearest(x_m, y_m).s_m
+            *sight = pilot.sighting(controller, now_s).map(|sighting| Sighted {
+                sighting,
+                s_m: if along {
+                    controller.s_m(&sighting.leader.state)
                 } else {
                     f64::NAN
-                };
-                Sighted { sighting, s_m }
+                },
             });
         }
+        if along && !controller.crossings().is_empty() {
+            self.give_way(now_s);
+        }
+    }
+
+    fn give_way(&mut self, now_s: f64) {
+        for robot in 0..self.robots() {
+            self.along_m[robot] = self.sight[robot].map_or(f64::NAN, |seen| seen.s_m);
+            self.room_m[robot] = self
+                .ahead(robot)
+                .map_or(f64::INFINITY, |(room_m, _)| room_m);
+        }
+        let places = Places {
+            controller: self.scenario.controller(),
+            along_m: &self.along_m,
+            room_m: &self.room_m,
+        };
+        self.right_of_way.update(now_s, &places);
     }
 
     fn named_ahead(&self, robot: usize) -> Ahead {
@@ -132,22 +225,26 @@ impl<'a> Convoy<'a> {
 
     /// The nearest robot ahead along the path, on a loop by less than half a lap.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let own = self.sight[robot]?;
         let path = self.scenario.controller().path();
         let most_m = path.length_m().map_or(f64::INFINITY, |length| 0.5 * length);
-        let mut nearest = (most_m, None);
-        for (other, seen) in self.sight.iter().enumerate() {
-            let Some(seen) = seen else { continue };
-            let ahead_m = path.distance_along_m(own.s_m, seen.s_m);
-            if other != robot && ahead_m > 0.0 && ahead_m < nearest.0 {
-                nearest = (ahead_m, Some(other));
-            }
-        }
-        nearest.1
+        let (ahead_m, leader) = self.ahead(robot)?;
+        (ahead_m < most_m).then_some(leader)
+    }
+
+    /// How far ahead along the path the nearest robot is, in m, and which.
+    fn ahead(&self, robot: usize) -> Option<(f64, usize)> {
+        let own = self.sight[robot]?;
+        let path = self.scenario.controller().path();
+        let others = self.sight.iter().enumerate();
+        let ahead = others.filter_map(|(other, seen)| {
+            let ahead_m = path.distance_along_m(own.s_m, seen.as_ref()?.s_m);
+            (other != robot && ahead_m > 0.0).then_some((ahead_m, other))
+        });
+        ahead.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The nearest other robots, without the one that is followed, in front those that there are.
-    fn nearest(&self, robot: usize, leader: Option<usize>) -> [Option<State>; MOST_OTHERS] {
+    fn nearest(&self, robot: usize, leader: Option<usize>) -> [Option<usize>; MOST_OTHERS] {
         let mut found = [None; MOST_OTHERS];
         let Some(own) = self.sight[robot] else {
             return found;
@@ -163,18 +260,9 @@ impl<'a> Convoy<'a> {
                 squares_m2[place..].rotate_right(1);
                 found[place..].rotate_right(1);
                 squares_m2[place] = square_m2;
-                found[place] = Some(*seen.state());
+                found[place] = Some(other);
             }
         }
         found
     }
 }
-
-/// Fills places that are not looked at.
-const NOWHERE: State = State {
-    x_m: 0.0,
-    y_m: 0.0,
-    speed_mps: 0.0,
-    heading_rad: 0.0,
-    turn_rate_rad_s: 0.0,
-};

@@ -35,6 +35,7 @@ mod path_file;
 mod plant;
 pub mod recorded;
 mod replay;
+mod right_of_way;
 mod run_log;
 mod shadow;
 mod simulation;

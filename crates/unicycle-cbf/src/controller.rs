@@ -1,19 +1,25 @@
 //! From a state to a decision: rows, quadratic program, ladder, speeds.
 
 use crate::cbf::LaneBarrier;
+use crate::crossing::Crossing;
 use crate::decision::{Brake, Decision, Outcome, Terms};
 use crate::error::Error;
 use crate::lateral::{Deviation, Frenet, Lateral, radial};
 use crate::limits::Limits;
-use crate::path::Path;
+use crate::path::{Path, PathPoint};
 use crate::pose::State;
 use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
 use crate::rows::RowKind;
-use crate::settings::{ControllerSettings, Literal};
+use crate::settings::{ControllerSettings, Distance, Literal};
 use crate::unicycle::{Body, Input};
 
 /// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
 const RELAXATION_WEIGHT: f64 = 1e9;
+
+/// What bodies have beside each other at a crossing beyond what they need, in m.
+const BESIDE_M: f64 = 0.02;
+/// By how much more a robot heads along one branch than along another for that to be its own, as a cosine.
+const MORE_ALONG: f64 = 0.3;
 
 /// The part of the objectives that scenarios change over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +70,8 @@ pub struct Around<'a> {
     pub leader: Option<&'a Leader>,
     /// Others whose bodies it must not touch, the nearest first; the first four are regarded
     pub others: &'a [State],
+    /// How far it may go along the path, in m, where it gives way
+    pub stop_line_m: Option<f64>,
 }
 
 /// The barriers at a state.
@@ -85,6 +93,7 @@ pub struct Controller {
     settings: ControllerSettings,
     hold_s: f64,
     limits: Limits,
+    crossings: Vec<Crossing>,
 }
 
 impl Controller {
@@ -105,13 +114,16 @@ impl Controller {
         Error::positive("hold_s", hold_s)?;
         let limits = Limits::new(&path, &body, &settings, hold_s)?;
         settings.lane = settings.lane.with_rates(limits.lane_rates_1ps);
-        Ok(Self {
+        let mut controller = Self {
             path,
             body,
             settings,
             hold_s,
             limits,
-        })
+            crossings: Vec::new(),
+        };
+        controller.find_crossings();
+        Ok(controller)
     }
 
     /// The path
@@ -144,6 +156,68 @@ impl Controller {
         self.hold_s
     }
 
+    /// Where the path comes near to itself, for controllers that regard every robot
+    #[must_use]
+    pub fn crossings(&self) -> &[Crossing] {
+        &self.crossings
+    }
+
+    /// Where two branches meet, robots ahead are those ahead along the path.
+    fn find_crossings(&mut self) {
+        if !self.settings.hardening.regards_every_robot() {
+            return;
+        }
+        let near_m = self.standstill_m() + self.standing_margin_m() + BESIDE_M;
+        self.crossings = Crossing::all(&self.path, near_m);
+        if !self.crossings.is_empty() {
+            self.settings.headway.distance = Distance::Path;
+        }
+    }
+
+    /// From how far before a crossing a robot has to know whether it waits, in m.
+    #[must_use]
+    pub fn approach_m(&self) -> f64 {
+        let braking_m = self.limits.wheel_speed_mps * self.body_time_s();
+        2.0 * (braking_m + self.standing_margin_m()) + BESIDE_M
+    }
+
+    /// What a robot needs behind the next one to stand there, in m along the path.
+    #[must_use]
+    pub fn room_m(&self) -> f64 {
+        self.standstill_m() + self.standing_margin_m() + BESIDE_M
+    }
+
+    /// The foot of the point of interest on the path; where branches meet, on the one that goes where the robot heads.
+    pub(crate) fn foot(&self, state: &State) -> PathPoint {
+        let foot = self.path.nearest(state.x_m, state.y_m);
+        let (sin, cos) = state.heading_rad.sin_cos();
+        let along = |point: &PathPoint| cos * point.tangent[0] + sin * point.tangent[1];
+        let mut best = foot;
+        for crossing in &self.crossings {
+            let [a, b] = &crossing.branches;
+            for (own, other) in [(a, b), (b, a)] {
+                if !own.contains(&self.path, foot.s_m) {
+                    continue;
+                }
+                let beside = self.path.nearest_within(other, state.x_m, state.y_m);
+                if along(&beside) > along(&best) + MORE_ALONG {
+                    best = beside;
+                }
+            }
+        }
+        best
+    }
+
+    pub(crate) fn frenet(&self, state: &State) -> Frenet {
+        Frenet::new(self.foot(state), &self.body, state)
+    }
+
+    /// Where a robot is along the path, in m.
+    #[must_use]
+    pub fn s_m(&self, state: &State) -> f64 {
+        self.foot(state).s_m
+    }
+
     /// Objectives without a schedule: the desired speed, and the tracker on.
     #[must_use]
     pub fn objectives(&self, desired_speed_mps: f64) -> Objectives {
@@ -166,7 +240,7 @@ impl Controller {
                 let unsigned = self.settings.is_literal(Literal::UnsignedAngleRate);
                 radial(path, &self.body, state, unsigned)
             }
-            _ => Frenet::new(&self.path, &self.body, state).lateral(),
+            _ => self.frenet(state).lateral(),
         }
     }
 
@@ -178,8 +252,7 @@ impl Controller {
         else {
             return true;
         };
-        let s_m = |state: &State| self.path.nearest(state.x_m, state.y_m).s_m;
-        self.path.distance_along_m(s_m(state), s_m(ahead)) < 0.5 * length_m
+        self.path.distance_along_m(self.s_m(state), self.s_m(ahead)) < 0.5 * length_m
     }
 
     /// What has to stay at or above zero, without margins.
@@ -212,8 +285,11 @@ impl Controller {
         objectives: &Objectives,
         age_s: f64,
     ) -> Decision {
-        let others = &[];
-        self.decide_among(state, Around { leader, others }, objectives, age_s)
+        let around = Around {
+            leader,
+            ..Around::default()
+        };
+        self.decide_among(state, around, objectives, age_s)
     }
 
     /// Decides for a state whose newest pose is `age_s` old.

@@ -41,6 +41,8 @@ pub enum Brake {
     StalePose,
     /// No pose of the robot ahead, or too old a one
     LeaderLost,
+    /// Robots stand and wait for each other in a circle
+    Deadlock,
     /// A number that is NaN or infinite
     NotFinite,
     /// The solver reached its iteration limit
@@ -69,6 +71,7 @@ impl Brake {
             Self::NoPose => "no-pose",
             Self::StalePose => "stale-pose",
             Self::LeaderLost => "leader-lost",
+            Self::Deadlock => "deadlock",
             Self::NotFinite => "not-finite",
             Self::Solver => "solver",
         }
@@ -113,6 +116,36 @@ pub struct Terms {
 }
 
 impl Decision {
+    /// The same, stopped for another reason.
+    pub fn stopped(self, reason: Brake) -> Self {
+        Self {
+            input: Input::default(),
+            speeds: Speeds::ZERO,
+            wheels: WheelSpeeds::default(),
+            outcome: Outcome::Braking { reason },
+            ..self
+        }
+    }
+
+    /// Whether a row of this kind holds the robot.
+    #[must_use]
+    pub fn is_held_by(&self, kind: RowKind) -> bool {
+        self.terms.as_ref().is_some_and(|terms| {
+            let active = terms.solution.active;
+            let mut kinds = terms.rows.kinds().iter().enumerate();
+            kinds.any(|(row, own)| *own == kind && active & (1 << row) != 0)
+        })
+    }
+
+    /// The first body whose row holds the robot, counted from the robot ahead if it has one.
+    #[must_use]
+    pub fn held_by_body(&self) -> Option<usize> {
+        let terms = self.terms.as_ref()?;
+        let kinds = terms.rows.kinds().iter().enumerate();
+        let mut bodies = kinds.filter(|(_, kind)| **kind == RowKind::Apart);
+        bodies.position(|(row, _)| terms.solution.active & (1 << row) != 0)
+    }
+
     pub(crate) fn braking(reason: Brake, state: Option<State>, terms: Option<Terms>) -> Self {
         Self {
             outcome: Outcome::Braking { reason },

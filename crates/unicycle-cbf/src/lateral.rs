@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::path::{Path, PathPoint, PolarPath};
+use crate::path::{PathPoint, PolarPath};
 use crate::pose::State;
 use crate::unicycle::{Affine, Body};
 
@@ -96,8 +96,7 @@ pub(crate) struct Frenet {
 
 impl Frenet {
     #[must_use]
-    pub(crate) fn new(path: &Path, body: &Body, state: &State) -> Self {
-        let foot = path.nearest(state.x_m, state.y_m);
+    pub(crate) fn new(foot: PathPoint, body: &Body, state: &State) -> Self {
         let ([tx, ty], [nx, ny]) = (foot.tangent, foot.normal());
         let deviation_m = foot.deviation_m(state.x_m, state.y_m);
         let [vx, vy] = state.velocity_mps(body.offset_m);

@@ -59,6 +59,7 @@
 pub mod cbf;
 pub mod clf;
 mod controller;
+mod crossing;
 mod decision;
 mod error;
 mod lateral;
@@ -78,13 +79,14 @@ mod terms;
 mod unicycle;
 
 pub use controller::{Around, Controller, Leader, Objectives, Safety, Tracking};
+pub use crossing::{Crossing, Span};
 pub use decision::{Brake, Decision, Outcome, Terms};
 pub use error::Error;
 pub use lateral::{Course, Deviation, Lateral, Progress};
 pub use library::Testbed;
 pub use lie::Lie;
 pub use limits::Limits;
-pub use pilot::{Ahead, Pilot, Sighting};
+pub use pilot::{Ahead, Pilot, Sighting, Surroundings};
 pub use pose::{Pose, Speeds, State};
 pub use predictor::{Predictor, StampedPose};
 pub use rows::{RowKind, Rows};

@@ -32,6 +32,27 @@ pub enum Ahead {
     Seen(Sighting),
 }
 
+/// What is around a robot at one time, all others as they were before their own steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings<'a> {
+    /// Whom it follows
+    pub ahead: Ahead,
+    /// The others, the nearest first
+    pub others: &'a [State],
+    /// How far it may go along the path, in m, where it gives way
+    pub stop_line_m: Option<f64>,
+}
+
+impl From<Ahead> for Surroundings<'_> {
+    fn from(ahead: Ahead) -> Self {
+        Self {
+            ahead,
+            others: &[],
+            stop_line_m: None,
+        }
+    }
+}
+
 impl From<Option<Sighting>> for Ahead {
     fn from(sighting: Option<Sighting>) -> Self {
         sighting.map_or(Self::Unseen, Self::Seen)
@@ -87,19 +108,18 @@ impl Pilot {
         ahead: Ahead,
         objectives: &Objectives,
     ) -> Decision {
-        self.decide_among(controller, now_s, ahead, &[], objectives)
+        self.decide_among(controller, now_s, ahead.into(), objectives)
     }
 
-    /// Decides at `now_s`; all others are given as they were before their own steps at this time, the nearest first.
+    /// Decides at `now_s`.
     pub fn decide_among(
         &self,
         controller: &Controller,
         now_s: f64,
-        ahead: Ahead,
-        others: &[State],
+        around: Surroundings,
         objectives: &Objectives,
     ) -> Decision {
-        let decision = self.wanted(controller, now_s, ahead, others, objectives);
+        let decision = self.wanted(controller, now_s, around, objectives);
         let slows = matches!(decision.outcome, Outcome::Braking { .. });
         if !slows || !controller.settings().hardening.wheel_rows {
             return decision;
@@ -117,8 +137,7 @@ impl Pilot {
         &self,
         controller: &Controller,
         now_s: f64,
-        ahead: Ahead,
-        others: &[State],
+        around: Surroundings,
         objectives: &Objectives,
     ) -> Decision {
         let Some((pose, age_s)) = self.current(controller, now_s) else {
@@ -133,7 +152,7 @@ impl Pilot {
         if too_old(age_s) {
             return Decision::braking(Brake::StalePose, Some(state), None);
         }
-        let (leader, age_s) = match &ahead {
+        let (leader, age_s) = match &around.ahead {
             Ahead::Nobody => (None, age_s),
             Ahead::Seen(sighting) if !too_old(sighting.age_s) => {
                 (Some(&sighting.leader), age_s.max(sighting.age_s))
@@ -142,7 +161,11 @@ impl Pilot {
                 return Decision::braking(Brake::LeaderLost, Some(state), None);
             }
         };
-        let around = Around { leader, others };
+        let around = Around {
+            leader,
+            others: around.others,
+            stop_line_m: around.stop_line_m,
+        };
         controller.decide_among(&state, around, objectives, age_s)
     }
 

@@ -87,6 +87,15 @@ pub struct State {
 }
 
 impl State {
+    /// At the origin, at rest.
+    pub const ORIGIN: Self = Self {
+        x_m: 0.0,
+        y_m: 0.0,
+        speed_mps: 0.0,
+        heading_rad: 0.0,
+        turn_rate_rad_s: 0.0,
+    };
+
     /// Whether no coordinate is NaN or infinite.
     #[must_use]
     pub fn is_finite(&self) -> bool {

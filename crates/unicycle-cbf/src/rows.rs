@@ -22,6 +22,8 @@ pub enum RowKind {
     HeadwayStopped,
     /// Distance between the bodies of two robots
     Apart,
+    /// The way along the path to where a robot waits for one on another branch
+    GiveWay,
     /// Both edges of the lane
     Lane,
     /// The edge at positive deviations
@@ -66,6 +68,7 @@ impl RowKind {
             Self::Headway => "headway",
             Self::HeadwayStopped => "headway-stopped",
             Self::Apart => "apart",
+            Self::GiveWay => "give-way",
             Self::Lane => "lane",
             Self::LaneRight => "lane-right",
             Self::LaneLeft => "lane-left",

@@ -6,7 +6,7 @@ use crate::controller::{Controller, Objectives, Tracking};
 use crate::error::Error;
 use crate::lateral::Deviation;
 use crate::path::Path;
-use crate::pose::{Pose, Speeds};
+use crate::pose::{Pose, Speeds, State};
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::Body;
 
@@ -248,9 +248,8 @@ impl Scenario {
             let [ahead, behind] = pair else { continue };
             let place = |pose: &Pose| pose.state(offset_m, Speeds::ZERO);
             let (ahead, behind) = (place(ahead), place(behind));
-            let s_m = |x_m, y_m| path.nearest(x_m, y_m).s_m;
-            let gap_m =
-                path.distance_along_m(s_m(behind.x_m, behind.y_m), s_m(ahead.x_m, ahead.y_m));
+            let s_m = |state: &State| self.controller.s_m(state);
+            let gap_m = path.distance_along_m(s_m(&behind), s_m(&ahead));
             if gap_m > 0.0 {
                 continue;
             }

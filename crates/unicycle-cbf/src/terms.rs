@@ -33,13 +33,11 @@ impl Controller {
         let leader = around.leader;
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
-        let frenet = self
-            .needs_frenet()
-            .then(|| Frenet::new(self.path(), self.body(), state));
+        let frenet = self.needs_frenet().then(|| self.frenet(state));
         let tracked = match (self.path(), &frenet) {
             (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
             (_, Some(frenet)) => frenet.lateral(),
-            (path, None) => Frenet::new(path, self.body(), state).lateral(),
+            (_, None) => self.frenet(state).lateral(),
         };
         let lateral = match (&frenet, settings.lane.deviation) {
             (Some(frenet), Deviation::Frenet) => frenet.lateral(),
@@ -59,6 +57,9 @@ impl Controller {
             for other in leader.iter().chain(around.others).take(MOST_BODIES) {
                 self.body_row(&mut rows, state, other, &moment);
             }
+        }
+        if let (Some(line_m), Some(frenet)) = (around.stop_line_m, &frenet) {
+            self.give_way_row(&mut rows, state, frenet, line_m, &moment);
         }
         let taken_m = settings.lane.half_width_m - self.limits().half_width_m;
         self.lane_rows(&mut rows, &lateral, taken_m);
@@ -86,6 +87,7 @@ impl Controller {
             || settings.lane.deviation == Deviation::Frenet
             || settings.headway.distance == Distance::Path
             || settings.hardening.max_course_angle_rad.is_some()
+            || !self.crossings().is_empty()
     }
 
     fn direction(&self, state: &State, frenet: Option<&Frenet>) -> Option<Lie> {
@@ -117,11 +119,8 @@ impl Controller {
     pub(crate) fn headway(&self, state: &State, leader: &State, frenet: Option<&Frenet>) -> Lie {
         let settings = &self.settings().headway;
         if settings.distance == Distance::Path {
-            let own = frenet.map_or_else(
-                || Frenet::new(self.path(), self.body(), state).progress(),
-                Frenet::progress,
-            );
-            let ahead = Frenet::new(self.path(), self.body(), leader).progress();
+            let own = frenet.map_or_else(|| self.frenet(state).progress(), Frenet::progress);
+            let ahead = self.frenet(leader).progress();
             let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
             let opening = ahead.rate_mps - own.rate_mps;
             let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
@@ -189,11 +188,39 @@ impl Controller {
 
     fn body_row(&self, rows: &mut Rows, state: &State, other: &State, moment: &Moment) {
         let settings = self.settings();
-        let time_s = BODY_TIME_S.max(BODY_PERIODS * self.hold_s());
+        let time_s = self.body_time_s();
         let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
         let least_m = self.standstill_m() + self.between_points_m(state, other);
         let h = cbf::apart(self.body(), state, other, time_s, least_m);
         rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
+    }
+
+    /// `h = s_line − s − T v cos θ`, as if a robot stood beyond the line.
+    fn give_way_row(
+        &self,
+        rows: &mut Rows,
+        state: &State,
+        frenet: &Frenet,
+        line_m: f64,
+        moment: &Moment,
+    ) {
+        let settings = self.settings();
+        let time_s = self.body_time_s();
+        let margin_m = margin::headway_m(settings, moment, state, 0.0, time_s);
+        let progress = frenet.progress();
+        let h = cbf::spaced(self.body(), state, line_m, -progress.rate_mps, time_s, 0.0);
+        rows.barrier(RowKind::GiveWay, &h, settings.headway.rate_1ps, margin_m);
+    }
+
+    /// What margins take of the distance between two robots that stand, in m.
+    pub(crate) fn standing_margin_m(&self) -> f64 {
+        let moment = self.moment(0.0);
+        margin::headway_m(self.settings(), &moment, &State::ORIGIN, 0.0, 0.0)
+    }
+
+    /// The time that barriers between bodies allow for, in s.
+    pub(crate) fn body_time_s(&self) -> f64 {
+        BODY_TIME_S.max(BODY_PERIODS * self.hold_s())
     }
 
     /// By how much two points of interest can be nearer to each other than the axles of robots that travel the same way, in m: whoever

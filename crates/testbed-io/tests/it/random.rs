@@ -111,15 +111,46 @@ fn debug_seed() {
     let to: f64 = std::env::var("TO").unwrap().parse().unwrap();
     let every: usize = std::env::var("EVERY").unwrap().parse().unwrap();
     let drawn = drawn(seed);
-    println!("{:?}\n{:?}\n{:?}", drawn.spec.robots, drawn.spec.controller, drawn.spec.body);
+    println!(
+        "{:?}\n{:?}\n{:?}",
+        drawn.spec.robots, drawn.spec.controller, drawn.spec.body
+    );
     let scenario = Scenario::new(drawn.spec).unwrap();
     println!("{:?}", scenario.controller().limits());
-    let simulation = Simulation { scenario: &scenario, disturbances: drawn.disturbances, seed };
+    let simulation = Simulation {
+        scenario: &scenario,
+        disturbances: drawn.disturbances,
+        seed,
+    };
     let _ = simulation.run(|t| {
         if t.time_s >= from && t.time_s <= to && t.tick % every == 0 {
-            let d = &t.decision; let tr = t.truth.unwrap();
-            let act: Vec<&str> = d.terms.iter().flat_map(|x| x.rows.kinds().iter().enumerate().filter(|(i,_)| x.solution.active & (1<<i) != 0).map(|(_,k)| k.name()).collect::<Vec<_>>()).collect();
-            println!("{:.2} r{} v {:.3} w {:.2} true v {:.3} y {:.4} h {:.4?} hbel {:.4?} {} {act:?}", t.time_s, t.robot, d.speeds.speed_mps, d.speeds.turn_rate_rad_s, tr.state.speed_mps, tr.safety.deviation_m, tr.safety.headway_m, d.terms.as_ref().and_then(|x| x.headway.map(|h| h.value)), d.outcome.name());
+            let d = &t.decision;
+            let tr = t.truth.unwrap();
+            let act: Vec<&str> = d
+                .terms
+                .iter()
+                .flat_map(|x| {
+                    x.rows
+                        .kinds()
+                        .iter()
+                        .enumerate()
+                        .filter(|(i, _)| x.solution.active & (1 << i) != 0)
+                        .map(|(_, k)| k.name())
+                        .collect::<Vec<_>>()
+                })
+                .collect();
+            println!(
+                "{:.2} r{} v {:.3} w {:.2} true v {:.3} y {:.4} h {:.4?} hbel {:.4?} {} {act:?}",
+                t.time_s,
+                t.robot,
+                d.speeds.speed_mps,
+                d.speeds.turn_rate_rad_s,
+                tr.state.speed_mps,
+                tr.safety.deviation_m,
+                tr.safety.headway_m,
+                d.terms.as_ref().and_then(|x| x.headway.map(|h| h.value)),
+                d.outcome.name()
+            );
         }
     });
 }
