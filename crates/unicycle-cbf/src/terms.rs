@@ -55,7 +55,7 @@ impl Controller {
         if settings.hardening.regards_every_robot() {
             let leader = leader.map(|leader| leader.state);
             for other in leader.iter().chain(around.others).take(MOST_BODIES) {
-                self.body_row(&mut rows, state, other, &moment);
+                self.body_row(&mut rows, state, frenet.as_ref(), other, &moment);
             }
         }
         if let (Some(line_m), Some(frenet)) = (around.stop_line_m, &frenet) {
@@ -186,13 +186,38 @@ impl Controller {
         }
     }
 
-    fn body_row(&self, rows: &mut Rows, state: &State, other: &State, moment: &Moment) {
+    fn body_row(
+        &self,
+        rows: &mut Rows,
+        state: &State,
+        frenet: Option<&Frenet>,
+        other: &State,
+        moment: &Moment,
+    ) {
         let settings = self.settings();
         let time_s = self.body_time_s();
         let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
         let least_m = self.standstill_m() + self.between_points_m(state, other);
-        let h = cbf::apart(self.body(), state, other, time_s, least_m);
+        let mut h = cbf::apart(self.body(), state, other, time_s, least_m);
+        let behind = frenet.and_then(|frenet| self.behind(state, frenet, other, time_s));
+        if let Some(behind) = behind.filter(|behind| behind.value < h.value) {
+            h = behind;
+        }
         rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
+    }
+
+    /// `h = D − D0 + T v` to a robot behind that measures its distance along the path: whoever goes backwards leaves it that.
+    fn behind(&self, state: &State, frenet: &Frenet, other: &State, time_s: f64) -> Option<Lie> {
+        if self.settings().headway.distance == Distance::Chord || !self.follows(other, state) {
+            return None;
+        }
+        let (own, behind) = (frenet.progress(), self.frenet(other).progress());
+        let distance_m = self.path().distance_along_m(behind.s_m, own.s_m);
+        let opening_mps = own.rate_mps - behind.rate_mps;
+        (distance_m > 0.0).then(|| {
+            let (body, standstill_m) = (self.body(), self.standstill_m());
+            cbf::spaced(body, state, distance_m, opening_mps, -time_s, standstill_m)
+        })
     }
 
     /// `h = s_line − s − T v cos θ`, as if a robot stood beyond the line.
