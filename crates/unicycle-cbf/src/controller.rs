@@ -19,7 +19,10 @@ const RELAXATION_WEIGHT: f64 = 1e9;
 /// What bodies have beside each other at a crossing beyond what they need, in m.
 const BESIDE_M: f64 = 0.02;
 /// By how much more a robot heads along one branch than along another for that to be its own, as a cosine.
-const MORE_ALONG: f64 = 0.3;
+const MORE_ALONG: f64 = 0.005;
+/// Share of the angle between two branches that the heading may be off, and the least angle for which that is asked for, in rad.
+const SHARE_OF_ANGLE: f64 = 0.45;
+const LEAST_ANGLE_RAD: f64 = 0.5;
 
 /// The part of the objectives that scenarios change over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,9 +172,17 @@ impl Controller {
         }
         let near_m = self.standstill_m() + self.standing_margin_m() + BESIDE_M;
         self.crossings = Crossing::all(&self.path, near_m);
-        if !self.crossings.is_empty() {
-            self.settings.headway.distance = Distance::Path;
+        if self.crossings.is_empty() {
+            return;
         }
+        self.settings.headway.distance = Distance::Path;
+        let angles = self
+            .crossings
+            .iter()
+            .map(|crossing| SHARE_OF_ANGLE * crossing.angle_rad);
+        let most = angles.filter(|angle| *angle >= LEAST_ANGLE_RAD);
+        let course = &mut self.settings.hardening.max_course_angle_rad;
+        *course = course.map(|course| most.fold(course, f64::min));
     }
 
     /// From how far before a crossing a robot has to know whether it waits, in m.
@@ -200,7 +211,9 @@ impl Controller {
                     continue;
                 }
                 let beside = self.path.nearest_within(other, state.x_m, state.y_m);
-                if along(&beside) > along(&best) + MORE_ALONG {
+                let is_in_lane = beside.deviation_m(state.x_m, state.y_m).abs()
+                    <= self.settings.lane.half_width_m;
+                if is_in_lane && along(&beside) > along(&best) + MORE_ALONG {
                     best = beside;
                 }
             }

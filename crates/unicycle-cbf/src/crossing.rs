@@ -22,6 +22,8 @@ pub struct Span {
 pub struct Crossing {
     /// Both parts
     pub branches: [Span; 2],
+    /// Between their directions where they are nearest to each other, in rad
+    pub angle_rad: f64,
 }
 
 impl Crossing {
@@ -38,24 +40,29 @@ impl Crossing {
             .map(|sample| path.at(sample as f64 * step_m))
             .map(|point| [point.x_m, point.y_m])
             .collect();
-        let near = |i: usize, j: usize| {
-            let ([ax, ay], [bx, by]) = (places[i], places[j]);
-            (ax - bx).hypot(ay - by) < near_m
+        let square = |[i, j]: [usize; 2]| {
+            (places[i][0] - places[j][0]).powi(2) + (places[i][1] - places[j][1]).powi(2)
         };
         let mut hits: Vec<[usize; 2]> = Vec::new();
         for i in 0..count {
             let beyond = i + apart..count.min((i + count).saturating_sub(apart));
-            hits.extend(beyond.filter(|j| near(i, *j)).map(|j| [i, j]));
+            hits.extend(
+                beyond
+                    .map(|j| [i, j])
+                    .filter(|hit| square(*hit) < near_m * near_m),
+            );
         }
-        clusters(hits, count)
+        clusters(hits, count, square)
             .into_iter()
-            .map(|[first, second]| {
+            .map(|([first, second], middle)| {
                 let span = |[from, to]: [isize; 2]| Span {
                     from_m: (from - 1).rem_euclid(count as isize) as f64 * step_m,
                     length_m: (to - from + 2) as f64 * step_m,
                 };
+                let [a, b] = middle.map(|sample| path.at(sample as f64 * step_m).tangent);
                 Self {
                     branches: [span(first), span(second)],
+                    angle_rad: (a[0] * b[0] + a[1] * b[1]).clamp(-1.0, 1.0).acos(),
                 }
             })
             .collect()
@@ -82,13 +89,18 @@ impl Span {
     }
 }
 
-/// Groups of neighbouring hits, each by its least and largest indices on both branches; indices go on beyond the end of the path.
-fn clusters(mut hits: Vec<[usize; 2]>, count: usize) -> Vec<[[isize; 2]; 2]> {
+/// Groups of neighbouring hits, each by its least and largest indices on both branches, which go on beyond the end of the path, and by
+/// its nearest hit.
+fn clusters(
+    mut hits: Vec<[usize; 2]>,
+    count: usize,
+    square: impl Fn([usize; 2]) -> f64,
+) -> Vec<([[isize; 2]; 2], [usize; 2])> {
     let mut found = Vec::new();
     let lap = count as isize;
     while let Some(start) = hits.pop() {
         let [i, j] = start.map(|index| index as isize);
-        let mut bounds = [[i, i], [j, j]];
+        let (mut bounds, mut nearest) = ([[i, i], [j, j]], start);
         let mut open = vec![[i, j]];
         while let Some([i, j]) = open.pop() {
             hits.retain(|hit| {
@@ -98,11 +110,14 @@ fn clusters(mut hits: Vec<[usize; 2]>, count: usize) -> Vec<[[isize; 2]; 2]> {
                 for (bound, index) in bounds.iter_mut().zip(near) {
                     *bound = [bound[0].min(index), bound[1].max(index)];
                 }
+                if square(*hit) < square(nearest) {
+                    nearest = *hit;
+                }
                 open.push(near);
                 false
             });
         }
-        found.push(bounds);
+        found.push((bounds, nearest));
     }
     found
 }

@@ -197,27 +197,46 @@ impl Controller {
         let settings = self.settings();
         let time_s = self.body_time_s();
         let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
-        let least_m = self.standstill_m() + self.between_points_m(state, other);
-        let mut h = cbf::apart(self.body(), state, other, time_s, least_m);
-        let behind = frenet.and_then(|frenet| self.behind(state, frenet, other, time_s));
-        if let Some(behind) = behind.filter(|behind| behind.value < h.value) {
-            h = behind;
+        let apart = |least_m: f64| cbf::apart(self.body(), state, other, time_s, least_m);
+        let mut h = apart(self.least_distance_m());
+        let goes_back = state.speed_mps < 0.0;
+        // Only what is near is worth a search of its place along the path.
+        if goes_back && h.value < 2.0 * self.body().offset_m + self.room_m() {
+            if let Some(behind) =
+                frenet.and_then(|frenet| self.behind(state, frenet, other, time_s))
+            {
+                let points = apart(self.standstill_m() + self.between_points_m(state, other));
+                h = if behind.value < points.value {
+                    behind
+                } else {
+                    points
+                };
+            }
         }
         rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
     }
 
-    /// `h = D − D0 + T v` to a robot behind that measures its distance along the path: whoever goes backwards leaves it that.
+    /// `h = D − D0 + T v` to a robot behind, along the path: whoever goes backwards leaves it its headway. Where that one measures a
+    /// chord it is never the smaller one.
     fn behind(&self, state: &State, frenet: &Frenet, other: &State, time_s: f64) -> Option<Lie> {
-        if self.settings().headway.distance == Distance::Chord || !self.follows(other, state) {
-            return None;
-        }
         let (own, behind) = (frenet.progress(), self.frenet(other).progress());
         let distance_m = self.path().distance_along_m(behind.s_m, own.s_m);
+        let lap_m = self.path().length_m().unwrap_or(f64::INFINITY);
+        if distance_m <= 0.0 || distance_m > 0.5 * lap_m {
+            return None;
+        }
+        let along = self.settings().headway.distance == Distance::Path;
+        let (body, standstill_m) = (self.body(), self.standstill_m());
+        let distance_m = if along { distance_m } else { f64::INFINITY };
         let opening_mps = own.rate_mps - behind.rate_mps;
-        (distance_m > 0.0).then(|| {
-            let (body, standstill_m) = (self.body(), self.standstill_m());
-            cbf::spaced(body, state, distance_m, opening_mps, -time_s, standstill_m)
-        })
+        Some(cbf::spaced(
+            body,
+            state,
+            distance_m,
+            opening_mps,
+            -time_s,
+            standstill_m,
+        ))
     }
 
     /// `h = s_line − s − T v cos θ`, as if a robot stood beyond the line.
@@ -248,11 +267,11 @@ impl Controller {
         BODY_TIME_S.max(BODY_PERIODS * self.hold_s())
     }
 
-    /// By how much two points of interest can be nearer to each other than the axles of robots that travel the same way, in m: whoever
-    /// follows keeps its headway from point to point.
+    /// By how much two points of interest can be nearer to each other than the axles, in m: whoever follows keeps its headway from
+    /// point to point.
     fn between_points_m(&self, state: &State, other: &State) -> f64 {
         let turn_rad = other.heading_rad - state.heading_rad;
-        2.0 * self.body().offset_m * (0.5 * turn_rad).sin().abs() * turn_rad.cos().max(0.0)
+        2.0 * self.body().offset_m * (0.5 * turn_rad).sin().abs()
     }
 
     pub(crate) fn lane_barriers(&self, lateral: &Lateral, margin_m: f64) -> LaneBarriers {
