@@ -16,6 +16,9 @@ use crate::unicycle::{Body, Input};
 /// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
 const RELAXATION_WEIGHT: f64 = 1e9;
 
+/// By how much more the row of the direction gives way than those of the lane.
+const DIRECTION_SHARE: f64 = 10.0;
+
 /// What bodies have beside each other at a crossing beyond what they need, in m.
 const BESIDE_M: f64 = 0.02;
 /// By how much more a robot heads along one branch than along another for that to be its own, as a cosine.
@@ -340,7 +343,7 @@ impl Controller {
         weights
     }
 
-    /// The second rung: lane rows share a slack, the row of the direction is left out. Then the last: braking.
+    /// The second rung: lane rows and that of the direction share a slack. Then the last: braking.
     fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
         let none = Row::<6> {
             a: [0.0; 6],
@@ -350,11 +353,13 @@ impl Controller {
         let rows = terms.rows.as_slice();
         for (soft, (row, kind)) in soft.iter_mut().zip(rows.iter().zip(terms.rows.kinds())) {
             let [a0, a1, a2, a3, a4] = row.a;
-            let slack = if kind.is_lane() { -1.0 } else { 0.0 };
-            if *kind != RowKind::Direction {
-                soft.a = [a0, a1, a2, a3, a4, slack];
-                soft.b = row.b;
-            }
+            let slack = match kind {
+                RowKind::Direction => -DIRECTION_SHARE,
+                kind if kind.is_lane() => -1.0,
+                _ => 0.0,
+            };
+            soft.a = [a0, a1, a2, a3, a4, slack];
+            soft.b = row.b;
         }
         let [w0, w1, w2, w3, w4] = *weights;
         let weights = [w0, w1, w2, w3, w4, RELAXATION_WEIGHT];

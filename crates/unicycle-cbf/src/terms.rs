@@ -16,6 +16,8 @@ use crate::unicycle::Affine;
 
 /// Rates of the rows for the direction of travel, in 1/s.
 const DIRECTION_RATES_1PS: [f64; 2] = [4.0, 4.0];
+/// The largest angle to the path of a robot that goes backwards, in rad: there a point ahead of the axle does not align by itself.
+const BACKWARDS_ANGLE_RAD: f64 = 0.5;
 /// Robots whose bodies have a row, that of the robot ahead among them.
 const MOST_BODIES: usize = 5;
 /// The time that the barrier between bodies allows for, in s, and in periods at least.
@@ -91,7 +93,10 @@ impl Controller {
     }
 
     fn direction(&self, state: &State, frenet: Option<&Frenet>) -> Option<Lie> {
-        let angle_rad = self.settings().hardening.max_course_angle_rad?;
+        let mut angle_rad = self.settings().hardening.max_course_angle_rad?;
+        if state.speed_mps < 0.0 {
+            angle_rad = angle_rad.min(BACKWARDS_ANGLE_RAD);
+        }
         let course = frenet?.course(self.body(), state);
         Some(cbf::direction(&course, angle_rad, DIRECTION_RATES_1PS[0]))
     }
