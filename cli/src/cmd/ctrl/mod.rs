@@ -1,6 +1,7 @@
 //! Robots: scenarios in simulation, run logs once more, campaigns, and single states explained.
 
 mod campaign;
+mod check;
 mod explain;
 mod guards;
 mod live;
@@ -20,6 +21,7 @@ use crate::flags::Context;
 Examples:
   drivekit ctrl run --report run.html                     the thesis's first experiment
   drivekit ctrl run --preset hardened --disturb all       noise, latency, lost poses, wrong wheels
+  drivekit ctrl check --scenario mine.toml                does it fit its lane, and at what speed?
   drivekit ctrl campaign --runs 10000                     does it ever fail?
   drivekit ctrl replay run.parquet                        every decision again, bit for bit
 
@@ -28,6 +30,7 @@ pub(crate) enum CtrlCommand {
     Run(run::RunArgs),
     Replay(replay::ReplayArgs),
     Campaign(campaign::CampaignArgs),
+    Check(check::CheckArgs),
     Explain(explain::ExplainArgs),
 }
 
@@ -36,6 +39,7 @@ pub(crate) fn run(command: &CtrlCommand, context: &Context) -> anyhow::Result<Ou
         CtrlCommand::Run(args) => run::run(args, context),
         CtrlCommand::Replay(args) => replay::run(args, context),
         CtrlCommand::Campaign(args) => campaign::run(args, context),
+        CtrlCommand::Check(args) => check::run(args, context),
         CtrlCommand::Explain(args) => explain::run(args, context),
     }
 }

@@ -8,8 +8,9 @@ use testbed_io::log_file::{self, LogFormat};
 use testbed_io::{
     Disturbances, Event, Figures, LeastDistance, Run, RunSpec, Summary, Timing, Verdict,
 };
-use unicycle_cbf::Scenario;
+use unicycle_cbf::{Demands, Scenario};
 
+use super::check;
 use super::live::{self, LiveArgs};
 use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
 use crate::exit::Outcome;
@@ -80,19 +81,8 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(&toml::to_string(&spec)?)?;
         return Ok(Outcome::Done);
     }
-    let body = &named.spec.scenario.body;
-    if body.radius_m.is_none() {
-        let text = format!(
-            "the body's radius is not given; {} m about the middle of the axle is taken (`radius_m` under [scenario.body])",
-            number(body.radius_m(), 3)
-        );
-        output::note(context, &text);
-    }
-    if let Some(bend_m) = scenario.tight_bend_m() {
-        let text = format!(
-            "the lane is wider than the path's tightest bend, whose radius is {bend_m:.3} m; on its inner side the nearest point of the path may jump"
-        );
-        output::note(context, &text);
+    for note in check::notes(&named.spec.scenario, &Demands::new(&scenario)) {
+        output::note(context, &note);
     }
     for path in args.output.iter().chain(&args.report) {
         output::check_file_place(path)?;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use testbed_io::{Simulation, Verdict};
-use unicycle_cbf::{Error, Scenario};
+use unicycle_cbf::{Demands, Error, PathSpec, Scenario};
 
 use generator::drawn;
 
@@ -32,9 +32,8 @@ fn outcome(seed: u64) -> Outcome {
         seed,
     };
     let summary = simulation.run(|_| {}).unwrap();
-    let limits = scenario.controller().limits();
     if summary.verdict == Verdict::Safe {
-        let slowed = limits.wheel_speed_mps < scenario.spec().body.max_wheel_speed_mps;
+        let slowed = Demands::new(&scenario).is_slowed();
         return Outcome::Safe { slowed };
     }
     let gap_mm = summary
@@ -54,12 +53,12 @@ fn outcome(seed: u64) -> Outcome {
     ))
 }
 
-fn kind(path: &unicycle_cbf::PathSpec) -> &'static str {
+fn kind(path: &PathSpec) -> &'static str {
     match path {
-        unicycle_cbf::PathSpec::Straight { .. } => "straight",
-        unicycle_cbf::PathSpec::Polar { .. } => "polar",
-        unicycle_cbf::PathSpec::Closed { points_m } if points_m.len() == 48 => "eight",
-        unicycle_cbf::PathSpec::Closed { .. } => "loop",
+        PathSpec::Straight { .. } => "straight",
+        PathSpec::Polar { .. } => "polar",
+        PathSpec::Closed { points_m } if points_m.len() == 48 => "eight",
+        PathSpec::Closed { .. } => "loop",
     }
 }
 
@@ -101,56 +100,4 @@ fn random_scenarios_are_refused_with_a_reason_or_safe() {
     );
     println!("{refused:#?}");
     assert!(bad.is_empty(), "{}", bad.join("\n"));
-}
-
-#[test]
-#[ignore]
-fn debug_seed() {
-    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
-    let from: f64 = std::env::var("FROM").unwrap().parse().unwrap();
-    let to: f64 = std::env::var("TO").unwrap().parse().unwrap();
-    let every: usize = std::env::var("EVERY").unwrap().parse().unwrap();
-    let drawn = drawn(seed);
-    println!(
-        "{:?}\n{:?}\n{:?}",
-        drawn.spec.robots, drawn.spec.controller, drawn.spec.body
-    );
-    let scenario = Scenario::new(drawn.spec).unwrap();
-    println!("{:?}", scenario.controller().limits());
-    let simulation = Simulation {
-        scenario: &scenario,
-        disturbances: drawn.disturbances,
-        seed,
-    };
-    let _ = simulation.run(|t| {
-        if t.time_s >= from && t.time_s <= to && t.tick % every == 0 {
-            let d = &t.decision;
-            let tr = t.truth.unwrap();
-            let act: Vec<&str> = d
-                .terms
-                .iter()
-                .flat_map(|x| {
-                    x.rows
-                        .kinds()
-                        .iter()
-                        .enumerate()
-                        .filter(|(i, _)| x.solution.active & (1 << i) != 0)
-                        .map(|(_, k)| k.name())
-                        .collect::<Vec<_>>()
-                })
-                .collect();
-            println!(
-                "{:.2} r{} v {:.3} w {:.2} true v {:.3} y {:.4} h {:.4?} hbel {:.4?} {} {act:?}",
-                t.time_s,
-                t.robot,
-                d.speeds.speed_mps,
-                d.speeds.turn_rate_rad_s,
-                tr.state.speed_mps,
-                tr.safety.deviation_m,
-                tr.safety.headway_m,
-                d.terms.as_ref().and_then(|x| x.headway.map(|h| h.value)),
-                d.outcome.name()
-            );
-        }
-    });
 }

@@ -66,6 +66,7 @@ fn the_run_with_the_tracker_on_is_that_of_an_independent_simulation() {
     let mut scenario = testbed.scenario(name, Preset::Thesis).unwrap();
     let clipped = undisturbed(scenario.clone());
     scenario.controller.hardening.wheel_rows = true;
+    scenario.body.max_wheel_acceleration_mps2 = Some(1e3);
     let summary = undisturbed(scenario);
     for (found, expected, digit) in [
         (summary.min_h_headway_m.unwrap(), headway_m, 1e-4),

@@ -171,7 +171,8 @@ proptest! {
             (state.heading_rad - foot.heading_rad()).cos()
         };
         let change = (cosine(STEP_S) - cosine(-STEP_S)) / (2.0 * STEP_S);
-        let angle_rad = controller.settings().hardening.max_course_angle_rad.unwrap();
+        let set_rad = controller.settings().hardening.max_course_angle_rad.unwrap();
+        let angle_rad = if own.speed_mps < 0.0 { 0.5 } else { set_rad };
         let expected = change + 4.0 * (cosine(0.0) - angle_rad.cos());
         let decision = controller.decide(&own, None, &controller.objectives(0.2), 0.0);
         let found = decision.terms.unwrap().direction.unwrap().value;
