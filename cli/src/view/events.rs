@@ -110,7 +110,7 @@ pub(super) struct Follower {
     noted: u64,
     ended: bool,
     alive: Alive,
-    _place: OwnedSemaphorePermit,
+    _place: Option<OwnedSemaphorePermit>,
 }
 
 impl Follower {
@@ -118,7 +118,7 @@ impl Follower {
         published: watch::Receiver<Published>,
         hello: &Value,
         alive: Alive,
-        place: OwnedSemaphorePermit,
+        place: Option<OwnedSemaphorePermit>,
     ) -> Self {
         let first = event("hello", &hello.to_string()).retry(RETRY);
         let mut follower = Self {

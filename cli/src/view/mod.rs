@@ -5,6 +5,7 @@
 mod access;
 mod events;
 mod page;
+mod places;
 mod server;
 mod snapshot;
 #[cfg(test)]
@@ -19,12 +20,12 @@ use std::thread::{self, JoinHandle};
 
 use anyhow::Context as _;
 use serde_json::Value;
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::runtime::{Builder, Runtime};
 
 use access::{Access, random_hex};
 use events::{Message, Slot};
-use server::{Session, serve};
+use server::{BACKLOG, Session, serve};
 
 pub(crate) use snapshot::{RobotNow, Snapshot};
 
@@ -126,8 +127,14 @@ impl Drop for View {
 
 /// Listens already, so that an address that cannot be had is known before anything is driven.
 fn listen(address: SocketAddr, runtime: &Runtime) -> io::Result<TcpListener> {
-    let listener = std::net::TcpListener::bind(address)?;
-    listener.set_nonblocking(true)?;
     let _inside = runtime.enter();
-    TcpListener::from_std(listener)
+    let socket = match address {
+        SocketAddr::V4(_) => TcpSocket::new_v4()?,
+        SocketAddr::V6(_) => TcpSocket::new_v6()?,
+    };
+    // As the standard library does: the port of a session that has just ended can be had again.
+    #[cfg(unix)]
+    socket.set_reuseaddr(true)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }

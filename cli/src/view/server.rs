@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use axum::extract::{Request, State};
 use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
-use axum::http::{StatusCode, Uri};
+use axum::http::{Method, StatusCode, Uri};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::sse::Sse;
 use axum::response::{Html, IntoResponse as _, Response};
@@ -23,18 +23,25 @@ use hyper_util::service::TowerToHyperService;
 use serde_json::{Value, json};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
+use tokio::task::yield_now;
 use tokio::time::{sleep, timeout};
 
 use super::access::{Access, random_hex};
 use super::events::{Alive, Follower, Message, Published, Slot, publish};
+use super::places::{Holder, Place, Places};
 
+/// Of pages without the control token; those with it have the places of their connections.
 const MOST_STREAMS: usize = 16;
-const MOST_CONNECTIONS: u32 = 64;
+/// Connections that the system keeps until they are accepted.
+pub(super) const BACKLOG: u32 = 1024;
+/// The head of a request is complete, or refused and answered, within this time.
+const HEAD: Duration = Duration::from_secs(1);
 /// A connection over which nothing has gone for so long is closed.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// How long the pages have to take their last event.
 const FAREWELL: Duration = Duration::from_millis(100);
-const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
+const ACCEPTED_AT_ONCE: usize = Holder::Nobody.places() / 8;
+const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 /// For the head of a request, and for what waits to be sent.
 const BUFFER_BYTES: usize = 16 * 1024;
 const MOST_HEADERS: usize = 64;
@@ -80,33 +87,50 @@ pub(super) async fn serve(
         published,
         streams: Arc::new(Semaphore::new(MOST_STREAMS)),
     };
-    let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS as usize));
-    let accepting = tokio::spawn(accept(listener, router(served), Arc::clone(&connections)));
+    let places = Arc::new(Places::default());
+    let accepting = tokio::spawn(accept(listener, served, Arc::clone(&places)));
     publish(&slot, &messages, &sender).await;
     accepting.abort();
-    let _ = timeout(FAREWELL, connections.acquire_many(MOST_CONNECTIONS)).await;
+    let _ = timeout(FAREWELL, places.until_empty()).await;
 }
 
-async fn accept(listener: TcpListener, router: Router, connections: Arc<Semaphore>) {
-    let service = TowerToHyperService::new(router);
-    while let Ok(place) = Arc::clone(&connections).acquire_owned().await {
+/// Never waits for a place. Newcomers are looked at long before so many others have come that they lose theirs.
+async fn accept(listener: TcpListener, served: Served, places: Arc<Places>) {
+    let session = Arc::clone(&served.session);
+    let service = TowerToHyperService::new(router(served));
+    for accepted in 1_usize.. {
         let Ok((stream, _)) = listener.accept().await else {
+            places.evict_oldest();
             sleep(ACCEPT_PAUSE).await;
             continue;
         };
-        let service = service.clone();
+        let (place, evicted) = places.enter();
+        let attending = attend(stream, service.clone(), Arc::clone(&session), place);
         tokio::spawn(async move {
-            attend(stream, service).await;
-            drop(place);
+            tokio::select! {
+                () = attending => {}
+                _ = evicted => {}
+            }
         });
+        if accepted.is_multiple_of(ACCEPTED_AT_ONCE) {
+            yield_now().await;
+        }
     }
 }
 
 /// One connection: one request and its answer, as long as the other side takes it.
-async fn attend(stream: TcpStream, service: TowerToHyperService<Router>) {
+async fn attend(
+    stream: TcpStream,
+    service: TowerToHyperService<Router>,
+    session: Arc<Session>,
+    place: Place,
+) {
     let _ = stream.set_nodelay(true);
     let alive = Alive::default();
     let answer = service_fn(|mut request: hyper::Request<Incoming>| {
+        if let Some(holder) = session.holder(&request) {
+            place.let_in(holder);
+        }
         request.extensions_mut().insert(Arc::clone(&alive));
         service.call(request)
     });
@@ -116,10 +140,30 @@ async fn attend(stream: TcpStream, service: TowerToHyperService<Router>) {
         .max_headers(MOST_HEADERS)
         .serve_connection(TokioIo::new(stream), answer);
     let mut connection = pin!(connection);
+    if timeout(HEAD, connection.as_mut()).await.is_ok() || !place.is_inside() {
+        return;
+    }
     while timeout(PATIENCE, connection.as_mut()).await.is_err() {
         if !alive.swap(false, Ordering::Relaxed) {
             return;
         }
+    }
+}
+
+impl Session {
+    /// Who asks; none if the request is refused.
+    fn holder(&self, request: &hyper::Request<Incoming>) -> Option<Holder> {
+        let (access, headers) = (&self.access, request.headers());
+        if access
+            .refusal(request.method(), request.uri(), headers)
+            .is_some()
+        {
+            return None;
+        }
+        if access.may_stop(headers) || access.offers_stop(request.uri()) {
+            return Some(Holder::Controller);
+        }
+        (request.method() != Method::POST).then_some(Holder::Reader)
     }
 }
 
@@ -170,8 +214,13 @@ async fn events(
     Extension(alive): Extension<Alive>,
     uri: Uri,
 ) -> Response {
-    let Ok(place) = Arc::clone(&served.streams).try_acquire_owned() else {
-        return StatusCode::SERVICE_UNAVAILABLE.into_response();
+    let place = if served.session.access.offers_stop(&uri) {
+        None
+    } else {
+        let Ok(place) = Arc::clone(&served.streams).try_acquire_owned() else {
+            return StatusCode::SERVICE_UNAVAILABLE.into_response();
+        };
+        Some(place)
     };
     let hello = hello(&served.session, &uri);
     let follower = Follower::new(served.published, &hello, alive, place);

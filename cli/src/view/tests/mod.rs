@@ -1,5 +1,6 @@
 //! The server, asked over plain sockets.
 
+mod crowd;
 mod events;
 mod requests;
 
