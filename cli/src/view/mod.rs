@@ -39,8 +39,8 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Serves a page about robots in a lane. `lane` is that of the page of a run with its `robot`; with `lane_barrier` and
-    /// `headway_s` the page knows the unit of the one and draws the other. `stop` is called from another thread, each time
+    /// Serves a page about robots in a lane. `lane` is that of the page of a run with its `robot`; with `headway_s`
+    /// the page draws the way in that time. `stop` is called from another thread, each time
     /// someone asks for it, and must not block.
     ///
     /// # Errors

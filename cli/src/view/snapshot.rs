@@ -30,7 +30,8 @@ pub(crate) struct RobotNow {
     pub(crate) turn_rate_rad_s: f64,
     /// None without a robot ahead.
     pub(crate) h_headway_m: Option<f64>,
-    pub(crate) h_lane: Option<f64>,
+    /// What is left of the lane beside the newest measured place, none before the first.
+    pub(crate) lane_clearance_m: Option<f64>,
     pub(crate) deviation_m: Option<f64>,
     /// How its step ended: `optimal`, `relaxed…`, or `braking…` with the reason.
     pub(crate) outcome: String,

@@ -196,6 +196,29 @@ fn a_path_from_a_file_is_followed() {
     assert!(out.stderr.contains("bad.csv, line 3"), "{}", out.stderr);
 }
 
+/// A CSV run log as they were once written: without checks, what is said of the run in two lines of its own.
+fn as_before(log: &str) -> String {
+    let cut = |line: &str, from: &str| line.split_once(from).unwrap().0.to_owned() + "\n";
+    let mut lines = log.lines();
+    let names = cut(lines.next().unwrap(), ",about");
+    let first = lines.next().unwrap();
+    let about = first.split_once(",\"{").unwrap().1.replace("\"\"", "\"");
+    let about: Value = serde_json::from_str(&format!("{{{}", about.trim_end_matches('"'))).unwrap();
+    let types: Vec<String> = about["types"]
+        .as_str()
+        .unwrap()
+        .chars()
+        .map(String::from)
+        .collect();
+    let head = format!(
+        "# drivekit run log 1 {}\n# types {}\n",
+        about["run"],
+        types.join(",")
+    );
+    let rows: String = lines.map(|line| cut(line, ",crc ")).collect();
+    head + &names + &cut(first, ",\"{") + &rows
+}
+
 #[test]
 fn run_logs_are_replayed_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,6 +245,10 @@ fn run_logs_are_replayed_bit_for_bit() {
         );
     }
     let log = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let log = as_before(&log);
+    std::fs::write(folder.path().join("before.csv"), &log).unwrap();
+    let out = drivekit_in(folder.path(), &["ctrl", "replay", "before.csv"]).ok();
+    assert!(out.stdout.contains("800 decisions, every one the same"));
     let changed = log.replacen("optimal", "relaxed", 1);
     std::fs::write(folder.path().join("run.csv"), changed).unwrap();
     let out = drivekit_in(folder.path(), &["ctrl", "replay", "run.csv"]);

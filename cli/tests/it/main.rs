@@ -15,6 +15,7 @@ mod calibrate;
 mod ctrl;
 mod ctrl_links;
 mod ctrl_live;
+mod ctrl_logs;
 mod ctrl_scenarios;
 mod documents;
 mod energy;

@@ -59,7 +59,10 @@ struct RobotLines {
     speed_mps: Line,
     turn_rate_rad_s: Line,
     h_headway_m: Option<Line>,
+    /// Barrier at the newest true or measured place, in its own units
     h_lane: Line,
+    /// Of the same place
+    lane_clearance_m: Line,
     deviation_m: Line,
     v1: Line,
     v2: Line,
@@ -79,7 +82,9 @@ impl Figures {
         let first = ticks.iter().filter(|tick| tick.robot == 0);
         let lines = |ticks: &[Tick]| {
             let robots = 0..spec.robots.len();
-            robots.map(|robot| RobotLines::new(robot, ticks)).collect()
+            let half_width_m = spec.controller.lane.half_width_m;
+            let lines = robots.map(|robot| RobotLines::new(robot, ticks, half_width_m));
+            lines.collect()
         };
         Self {
             lane: Outline::new(scenario, ticks),
@@ -181,7 +186,7 @@ fn reach(scenario: &Scenario, ticks: &[Tick]) -> [f64; 2] {
 }
 
 impl RobotLines {
-    fn new(robot: usize, ticks: &[Tick]) -> Self {
+    fn new(robot: usize, ticks: &[Tick], half_width_m: f64) -> Self {
         let own: Vec<&Tick> = ticks.iter().filter(|tick| tick.robot == robot).collect();
         let line = |read: fn(&Tick) -> f64| own.iter().map(|tick| rounded(read(tick))).collect();
         let mut last_stamp_s = f64::NAN;
@@ -189,6 +194,8 @@ impl RobotLines {
             last_stamp_s = tick.seen.map_or(last_stamp_s, |seen| seen.stamp_s);
             rounded(tick.time_s - last_stamp_s)
         };
+        let barrier = |tick: &Tick| tick.truth.map(|truth| truth.safety.lane);
+        let clearance = |tick: &Tick| tick.lane_clearance_m(half_width_m);
         let names: Vec<String> = own.iter().map(|tick| tick.outcome_name()).collect();
         let spans = names.chunk_by(|a, b| a == b);
         Self {
@@ -203,7 +210,8 @@ impl RobotLines {
             speed_mps: line(|t| t.known_state().map_or(f64::NAN, |s| s.speed_mps)),
             turn_rate_rad_s: line(|t| t.known_state().map_or(f64::NAN, |s| s.turn_rate_rad_s)),
             h_headway_m: (robot > 0).then(|| line(Tick::known_headway_m)),
-            h_lane: line(Tick::known_lane),
+            h_lane: newest(&own, barrier),
+            lane_clearance_m: newest(&own, clearance),
             deviation_m: line(Tick::known_deviation_m),
             v1: line(|t| t.lyapunov(0)),
             v2: line(|t| t.lyapunov(1)),
@@ -220,4 +228,14 @@ impl RobotLines {
             step_us: line(|t| t.step_us),
         }
     }
+}
+
+/// Between poses the last that is known; NaN before the first.
+fn newest(ticks: &[&Tick], read: impl Fn(&Tick) -> Option<f64>) -> Line {
+    let mut last = f64::NAN;
+    let values = ticks.iter().map(|tick| {
+        last = read(tick).unwrap_or(last);
+        rounded(last)
+    });
+    values.collect()
 }

@@ -34,6 +34,8 @@ pub struct Run {
     pub spec: RunSpec,
     /// All robots and steps
     pub ticks: Vec<Tick>,
+    /// The wall clock at 0 s, in s since 1970; none where there is none
+    pub started_unix_s: Option<f64>,
 }
 
 impl RunSpec {
@@ -54,6 +56,7 @@ impl RunSpec {
         let run = Run {
             spec: self.clone(),
             ticks,
+            started_unix_s: None,
         };
         Ok((run, summary))
     }
@@ -140,7 +143,11 @@ impl Run {
     ///
     /// None on runs of this crate.
     pub fn to_table(&self) -> Result<LogTable, Error> {
-        LogTable::new(&self.spec.to_json()?, columns(&self.ticks))
+        let columns = Columns {
+            half_width_m: self.spec.half_width_m(),
+            started_unix_s: self.started_unix_s,
+        };
+        LogTable::new(&self.spec.to_json()?, columns.of(&self.ticks))
     }
 }
 
@@ -148,29 +155,51 @@ impl RunSpec {
     pub(crate) fn to_json(&self) -> Result<String, Error> {
         serde_json::to_string(self).map_err(|e| Error::Meta(e.to_string()))
     }
+
+    pub(crate) fn half_width_m(&self) -> f64 {
+        self.scenario.controller.lane.half_width_m
+    }
 }
 
-/// The columns of a run log with a row for each tick.
-pub(crate) fn columns(ticks: &[Tick]) -> Vec<Column> {
-    let integers =
-        |read: fn(&Tick) -> usize| Values::Integer(ticks.iter().map(|t| read(t) as i64).collect());
-    let column = |name: &str, values| Column {
+/// What the columns of a run log need besides its ticks.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Columns {
+    pub(crate) half_width_m: f64,
+    pub(crate) started_unix_s: Option<f64>,
+}
+
+impl Columns {
+    /// The columns of a run log with a row for each tick.
+    pub(crate) fn of(&self, ticks: &[Tick]) -> Vec<Column> {
+        let integers = |read: fn(&Tick) -> usize| {
+            Values::Integer(ticks.iter().map(|t| read(t) as i64).collect())
+        };
+        let floats = |read: &dyn Fn(&Tick) -> f64| Values::Float(ticks.iter().map(read).collect());
+        let named = |(name, read): &(&str, Read)| column(name, floats(read));
+        let mut columns = vec![
+            column("tick", integers(|t| t.tick)),
+            column("robot", integers(|t| t.robot)),
+            column("time_s", floats(&|t| t.time_s)),
+        ];
+        if let Some(started_s) = self.started_unix_s {
+            columns.push(column("unix_time_s", floats(&|t| started_s + t.time_s)));
+        }
+        let outcomes = ticks.iter().map(Tick::outcome_name);
+        columns.push(column("outcome", Values::Text(outcomes.collect())));
+        columns.extend(SEEN.iter().map(named));
+        columns.extend(DECIDED.iter().map(named));
+        columns.extend(KNOWN.iter().map(named));
+        let clearance = |t: &Tick| t.lane_clearance_m(self.half_width_m).unwrap_or(f64::NAN);
+        columns.push(column("lane_clearance_m", floats(&clearance)));
+        columns
+    }
+}
+
+fn column(name: &str, values: Values) -> Column {
+    Column {
         name: name.to_owned(),
         values,
-    };
-    let floats =
-        |(name, read): &(&str, Read)| column(name, Values::Float(ticks.iter().map(read).collect()));
-    let outcomes = ticks.iter().map(Tick::outcome_name);
-    let mut columns = vec![
-        column("tick", integers(|t| t.tick)),
-        column("robot", integers(|t| t.robot)),
-        floats(&("time_s", |t| t.time_s)),
-        column("outcome", Values::Text(outcomes.collect())),
-    ];
-    columns.extend(SEEN.iter().map(floats));
-    columns.extend(DECIDED.iter().map(floats));
-    columns.extend(KNOWN.iter().map(floats));
-    columns
+    }
 }
 
 /// A run log as far as a replay needs it.

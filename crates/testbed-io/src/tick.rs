@@ -98,11 +98,11 @@ impl Tick {
         truth.unwrap_or_else(|| self.headway_m())
     }
 
-    /// Lane barrier, likewise, in its own units.
+    /// What is left of the lane beside the true or measured place, in m; none where that is not known.
     #[must_use]
-    pub fn known_lane(&self) -> f64 {
-        self.truth
-            .map_or_else(|| self.lane(), |truth| truth.safety.lane)
+    pub fn lane_clearance_m(&self, half_width_m: f64) -> Option<f64> {
+        let safety = self.truth?.safety;
+        Some(half_width_m - safety.deviation_m.abs())
     }
 
     /// Deviation from the path, likewise, in m.

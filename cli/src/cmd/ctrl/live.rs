@@ -5,14 +5,14 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use testbed_io::live::{Ending, LinkSpec, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
-use testbed_io::{Figures, RunSpec, Summary, Tick};
+use testbed_io::{Figures, Run, RunSpec, Summary, Tick};
 use unicycle_cbf::Scenario;
 
 use super::guards;
@@ -131,11 +131,8 @@ pub(crate) struct LiveSession<'a> {
 }
 
 impl LiveSession<'_> {
-    /// Runs it, and gives all its ticks.
-    pub(crate) fn run(
-        &self,
-        context: &Context,
-    ) -> anyhow::Result<(Vec<Tick>, Summary, LiveReport)> {
+    /// Runs it, and gives the run with all its ticks.
+    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<(Run, Summary, LiveReport)> {
         let stop = StopSwitch::default();
         watch_signals(&stop)?;
         let (scenario, link) = (self.session.scenario, self.session.link);
@@ -148,6 +145,8 @@ impl LiveSession<'_> {
         let notes = Notes::start(context)?;
         // No growing in the loop.
         let mut kept = Vec::with_capacity(scenario.steps() * link.robots.len());
+        let mut started_unix_s = None;
+        let mut places = NewestPlaces::new(scenario);
         let ended = self.session.run(&stop, |update| match update {
             Update::Note(text) => {
                 notes.tell(text);
@@ -161,15 +160,18 @@ impl LiveSession<'_> {
                 counts,
                 missed,
             } => {
-                if journal.as_ref().is_some_and(|journal| !journal.add(ticks)) && !stop.is_on() {
+                let time_s = ticks.first().map_or(0.0, |tick| tick.time_s);
+                let started_s = *started_unix_s.get_or_insert_with(|| unix_now_s() - time_s);
+                let add = |journal: &Journal| journal.add(ticks, started_s);
+                if journal.as_ref().is_some_and(|journal| !add(journal)) && !stop.is_on() {
                     stop.stop();
                     notes.tell("the run log takes no more; stopping");
                 }
                 kept.extend_from_slice(ticks);
                 if let Some(view) = &view {
-                    let robots = robots(ticks, pose_ages_s, &link.robots);
+                    let robots = places.robots(ticks, pose_ages_s, &link.robots);
                     view.show(Snapshot {
-                        time_s: ticks.first().map_or(0.0, |tick| tick.time_s),
+                        time_s,
                         duration_s: scenario.spec().duration_s,
                         robots,
                         late_us: ticks.first().map_or(0.0, |tick| tick.late_us),
@@ -194,8 +196,19 @@ impl LiveSession<'_> {
             forget_journal(log);
         }
         let (summary, report) = ended?;
-        Ok((kept, summary, report))
+        let run = Run {
+            spec: self.spec.clone(),
+            ticks: kept,
+            started_unix_s,
+        };
+        Ok((run, summary, report))
     }
+}
+
+/// The wall clock, in s since 1970.
+pub(crate) fn unix_now_s() -> f64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0.0, |since| since.as_secs_f64())
 }
 
 /// Signals that would end or suspend the program stop the robots instead.
@@ -346,7 +359,7 @@ fn view(
     let spec = scenario.spec();
     let figures = serde_json::to_value(Figures::new(scenario, &[], None))?;
     let mut lane = figures["lane"].clone();
-    for key in ["robot", "lane_barrier", "headway_s"] {
+    for key in ["robot", "headway_s"] {
         lane[key] = figures[key].clone();
     }
     let title = format!("{} on {}", spec.name, spec.testbed);
@@ -358,24 +371,45 @@ fn view(
     Ok(view)
 }
 
-/// Robots from the front.
-fn robots(ticks: &[Tick], pose_ages_s: &[f64], ids: &[u32]) -> Vec<RobotNow> {
-    let known = |value: f64| value.is_finite().then_some(value);
-    let robot = |tick: &Tick| {
-        let state = tick.known_state()?;
-        Some(RobotNow {
-            id: *ids.get(tick.robot)?,
-            x_m: state.x_m,
-            y_m: state.y_m,
-            heading_rad: state.heading_rad,
-            speed_mps: tick.decision.speeds.speed_mps,
-            turn_rate_rad_s: tick.decision.speeds.turn_rate_rad_s,
-            h_headway_m: known(tick.known_headway_m()),
-            h_lane: known(tick.known_lane()),
-            deviation_m: known(tick.known_deviation_m()),
-            outcome: tick.outcome_name(),
-            pose_age_s: pose_ages_s.get(tick.robot).copied().and_then(known),
-        })
-    };
-    ticks.iter().rev().filter_map(robot).collect()
+/// How far each robot is from the edge of the lane, by its newest pose.
+struct NewestPlaces {
+    half_width_m: f64,
+    clearance_m: Vec<Option<f64>>,
+}
+
+impl NewestPlaces {
+    fn new(scenario: &Scenario) -> Self {
+        Self {
+            half_width_m: scenario.spec().controller.lane.half_width_m,
+            clearance_m: vec![None; scenario.spec().robots.len()],
+        }
+    }
+
+    /// Robots from the front.
+    fn robots(&mut self, ticks: &[Tick], pose_ages_s: &[f64], ids: &[u32]) -> Vec<RobotNow> {
+        for tick in ticks {
+            let measured_m = tick.lane_clearance_m(self.half_width_m);
+            if let (Some(newest_m), Some(_)) = (self.clearance_m.get_mut(tick.robot), measured_m) {
+                *newest_m = measured_m;
+            }
+        }
+        let known = |value: f64| value.is_finite().then_some(value);
+        let robot = |tick: &Tick| {
+            let state = tick.known_state()?;
+            Some(RobotNow {
+                id: *ids.get(tick.robot)?,
+                x_m: state.x_m,
+                y_m: state.y_m,
+                heading_rad: state.heading_rad,
+                speed_mps: tick.decision.speeds.speed_mps,
+                turn_rate_rad_s: tick.decision.speeds.turn_rate_rad_s,
+                h_headway_m: known(tick.known_headway_m()),
+                lane_clearance_m: self.clearance_m.get(tick.robot).copied().flatten(),
+                deviation_m: known(tick.known_deviation_m()),
+                outcome: tick.outcome_name(),
+                pose_age_s: pose_ages_s.get(tick.robot).copied().and_then(known),
+            })
+        };
+        ticks.iter().rev().filter_map(robot).collect()
+    }
 }

@@ -152,15 +152,16 @@ impl RunArgs {
     ) -> anyhow::Result<Ended> {
         let (run, summary, live) = match &spec.link {
             None => {
-                let (run, summary) = spec.simulate()?;
+                let (mut run, summary) = spec.simulate()?;
+                // Other formats are the same for the same seed.
+                run.started_unix_s = self.is_mcap().then(live::unix_now_s);
                 (run, summary, None)
             }
             Some(link) => {
                 let log = self.output.as_deref();
                 let session = self.live.session(spec, link, scenario, log);
-                let (ticks, summary, live) = session.run(context)?;
-                let spec = spec.clone();
-                (Run { spec, ticks }, summary, Some(live))
+                let (run, summary, live) = session.run(context)?;
+                (run, summary, Some(live))
             }
         };
         Ok(Ended {
@@ -169,6 +170,11 @@ impl RunArgs {
             summary,
             live,
         })
+    }
+
+    fn is_mcap(&self) -> bool {
+        let format = self.output.as_deref().map(LogFormat::from_path);
+        matches!(format, Some(Ok(LogFormat::Mcap)))
     }
 
     fn save(&self, run: &Run, context: &Context) -> anyhow::Result<()> {

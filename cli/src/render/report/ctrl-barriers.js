@@ -13,6 +13,7 @@ function barrierFigures(report) {
   const { barrier } = report;
   const headway = robotLines(report, 'h_headway', 1000);
   const lane = robotLines(report, 'h_lane', barrier.scale);
+  const clearance = robotLines(report, 'lane_clearance_m', 1000);
   const scale = barrier.words ? ` The barrier is ${barrier.words}.` : '';
   return [
     {
@@ -21,7 +22,12 @@ function barrierFigures(report) {
       caption: leastWords(headway, report, 1, 'mm'),
     },
     {
-      title: 'Lane',
+      title: 'Distance to the edge of the lane',
+      ...{ lines: clearance, unit: 'mm', digits: 1 },
+      caption: leastWords(clearance, report, 1, 'mm'),
+    },
+    {
+      title: 'Lane barrier',
       ...{ lines: lane, unit: barrier.unit, digits: barrier.digits },
       caption: `${leastWords(lane, report, barrier.digits, barrier.unit)}${scale}`,
     },

@@ -4,7 +4,7 @@ const SCHEMA = 'drivekit/ctrl-run/1';
 const SCHEMA_KEYS = ['schema', 'version', 'config', 'inputs', 'scenario', 'outcomes', 'figures'];
 
 const ROBOT_COLOURS = ['--measured', '--series-0', '--series-1', '--series-2', '--series-3', '--series-6', '--series-7'];
-const VALUES = ['h_lane', 'deviation_m', 'v1', 'v2', 'v3'];
+const VALUES = ['h_lane', 'lane_clearance_m', 'deviation_m', 'v1', 'v2', 'v3'];
 
 /** How a step ends, from the best to the worst. */
 const OUTCOMES = [

@@ -7,8 +7,8 @@ const wantsRest = () => window.matchMedia('(prefers-reduced-motion: reduce)').ma
 
 /** The values of all robots at a time, in a table that is written anew while they move. */
 function readout(report) {
-  const { barrier, robots } = report;
-  const columns = [['Speed', 'm/s'], ['Headway h', 'mm'], ['Lane h', barrier.unit]];
+  const { robots } = report;
+  const columns = [['Speed', 'm/s'], ['Headway h', 'mm'], ['To the edge', 'mm']];
   const title = ([label, unit]) => el('th', { scope: 'col' }, label, el('small', {}, unit));
   const head = el('tr', {}, heading('Robot', 'text corner'), ...columns.map(title), heading('Step', 'text'));
   const rows = robots.map((robot) => {
@@ -22,7 +22,8 @@ function readout(report) {
     rows.forEach(({ robot, sign, ending, cells }) => {
       const { name, look } = outcomeAt(robot, index);
       const headway = fixed(millimetres(robot.h_headway[index]), 1);
-      const values = [fixed(robot.speed[index], 3), headway, fixed(barrier.scale * robot.h_lane[index], barrier.digits)];
+      const edge = fixed(millimetres(robot.lane_clearance_m[index]), 1);
+      const values = [fixed(robot.speed[index], 3), headway, edge];
       values.forEach((value, place) => (cells[place].textContent = value));
       sign.style.background = `var(${look.colour})`;
       ending.textContent = outcomeWords(name);

@@ -1,7 +1,7 @@
 // ---------------------------------------------------------------- robots of a session, as lists that grow
 
 /** What is kept of a robot over time, by the name it has in a snapshot. */
-const KEPT = { x: 'x_m', y: 'y_m', heading: 'heading_rad', speed: 'speed_mps', h_headway: 'h_headway_m', h_lane: 'h_lane' };
+const KEPT = { x: 'x_m', y: 'y_m', heading: 'heading_rad', speed: 'speed_mps', h_headway: 'h_headway_m', lane_clearance: 'lane_clearance_m' };
 
 function newRobot(id, index, count) {
   const kept = Object.fromEntries(Object.keys(KEPT).map((key) => [key, new Array(count).fill(NaN)]));
@@ -33,11 +33,11 @@ const milliseconds = (seconds) => number(seconds) * 1000;
 const isBraking = (robot) => outcomeLook(text(robot.now.outcome)).kind === 'braking';
 
 /** What a card tells; those that are bounds are marked below zero. */
-const cardValues = (barrier) => [
+const CARD_VALUES = [
   { label: 'Speed', unit: 'm/s', digits: 3, of: ({ speed_mps }) => number(speed_mps) },
   { label: 'Turn rate', unit: 'rad/s', digits: 2, of: ({ turn_rate_rad_s }) => number(turn_rate_rad_s) },
   { label: 'Headway h', unit: 'mm', digits: 0, isBound: true, of: ({ h_headway_m }) => millimetres(h_headway_m) },
-  { label: 'Lane h', unit: barrier.unit, digits: barrier.digits, isBound: true, of: ({ h_lane }) => barrier.scale * number(h_lane) },
+  { label: 'To the edge', unit: 'mm', digits: 1, isBound: true, of: ({ lane_clearance_m }) => millimetres(lane_clearance_m) },
   { label: 'Deviation', unit: 'mm', digits: 1, of: ({ deviation_m }) => millimetres(deviation_m) },
   { label: 'Pose age', unit: 'ms', digits: 0, of: ({ pose_age_s }) => milliseconds(pose_age_s) },
 ];
@@ -54,10 +54,10 @@ function valueRow({ label, unit, digits, isBound = false, of }) {
   return { node: el('div', {}, el('dt', {}, label), cell), tell };
 }
 
-function robotCard(robot, barrier) {
+function robotCard(robot) {
   const [sign, words] = [swatch(UNKNOWN.colour), el('span', {}, UNKNOWN.kind)];
   const outcome = el('span', { class: 'outcome' }, sign, words);
-  const rows = cardValues(barrier).map(valueRow);
+  const rows = CARD_VALUES.map(valueRow);
   const title = el('h3', {}, swatch(robot.colour), robot.name);
   const values = el('dl', { class: 'values' }, ...rows.map((row) => row.node));
   const node = el('article', { class: 'card', 'aria-label': robot.name }, el('header', {}, title, outcome), values);

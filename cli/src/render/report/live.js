@@ -26,12 +26,10 @@ const live = {
 function forget(lane) {
   const raw = object(lane);
   const body = object(raw.robot);
-  const barrier = text(raw.lane_barrier);
   Object.assign(live, {
     lane: readLane(raw),
     body: { length: number(body.length_m), offset: number(body.offset_m), base: number(body.wheel_base_m) },
     headwayS: number(raw.headway_s),
-    barrier: Object.hasOwn(LANE_BARRIERS, barrier) ? LANE_BARRIERS[barrier] : OTHER_BARRIER,
     ...{ time: [], robots: [], cards: [], snapshot: null, noted: 0, drawnAt: 0, cardsAt: 0, chartsAt: 0 },
   });
 }
@@ -52,9 +50,9 @@ function tellDropped(counts) {
 }
 
 function tellCards() {
-  const { snapshot, robots, cards, barrier } = live;
+  const { snapshot, robots, cards } = live;
   for (const robot of robots.slice(cards.length)) {
-    cards.push(robotCard(robot, barrier));
+    cards.push(robotCard(robot));
     byId('robots-body').append(cards.at(-1).node);
   }
   cards.forEach((card) => card.tell());
@@ -64,11 +62,10 @@ function tellCards() {
 }
 
 function buildCharts() {
-  const { unit, digits, scale } = live.barrier;
   const { windowS } = LIVE;
   live.charts = [
     { title: 'Headway', key: 'h_headway', unit: 'mm', digits: 1, scale: 1000, windowS },
-    { title: 'Lane', key: 'h_lane', unit, digits, scale, windowS },
+    { title: 'Distance to the edge of the lane', key: 'lane_clearance', unit: 'mm', digits: 1, scale: 1000, windowS },
   ].map((spec) => runningChart(live, spec));
   byId('barriers-body').replaceChildren(...live.charts.map(({ node }) => node));
 }

@@ -11,7 +11,7 @@ fn snapshot(time_s: f64) -> Snapshot {
     let robot = RobotNow {
         id: 1,
         outcome: "braking-stale-pose".to_owned(),
-        h_lane: Some(f64::NAN),
+        lane_clearance_m: Some(f64::NAN),
         ..RobotNow::default()
     };
     Snapshot {
@@ -43,7 +43,7 @@ fn events_bring_the_newest() {
         let snapshot = events.next("snapshot");
         seen += 1;
         assert_eq!(snapshot["robots"][5]["outcome"], "braking-stale-pose");
-        assert!(snapshot["robots"][0]["h_lane"].is_null());
+        assert!(snapshot["robots"][0]["lane_clearance_m"].is_null());
         assert_eq!(snapshot["dropped"]["out of order"], 2);
         if snapshot["time_s"] == 299.0 {
             break;

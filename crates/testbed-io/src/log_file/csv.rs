@@ -1,63 +1,173 @@
-//! Run logs as comma-separated values.
+//! Run logs as comma-separated values: a line with the names, then a line per row.
 //!
-//! The first line is `# drivekit run log 1 ` and the metadata, the second `# types ` and a letter
-//! per column (f, i or t), the third the names; then a line per row.
+//! The last column is `about`. In the first row it says what the run is, as JSON: types of the columns (f, i or t), a check, and
+//! the metadata. In every other row it is `crc ` and a check: the CRC-32 of all fields from the first name up to this row, so
+//! that the first line that was changed or lost is known. A log without rows has one row in which nothing but `about` stands.
+//!
+//! Logs of before begin with `# drivekit run log 1 ` and the metadata and `# types ` and the types; they are still read.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use ::csv::{ByteRecord, ReaderBuilder};
+use ::csv::{ByteRecord, Writer};
 
-use super::{Column, DAMAGED, Flaw, Kind, LogTable, MAX_COLUMNS, Values, shortened, table};
+use super::check::Check;
+use super::csv_old;
+use super::records::{Records, check_fields, header, line, push, text};
+use super::{Column, DAMAGED, Flaw, Kind, LogTable, Values, shortened, table};
 
-const MAGIC: &str = "# drivekit run log 1 ";
-const TYPES: &str = "# types ";
-const FOREIGN: &str = "only CSV files that drivekit logged are read, with their first two lines";
+const ABOUT: &str = "about";
+const FOREIGN: &str = "only CSV files that drivekit logged are read, with their column `about`";
 
 pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
-    write_header(table.meta(), table.columns(), out)?;
-    write_rows(table.columns(), out)
+    let mut sheet = Sheet::start(table.meta(), table.columns(), out)?;
+    sheet.add(table.columns())?;
+    sheet.finish().map(|_| ())
 }
 
-pub(super) fn write_header(meta: &str, columns: &[Column], out: &mut dyn Write) -> io::Result<()> {
-    let letters: Vec<&str> = columns.iter().map(|c| letter(c.values.kind())).collect();
-    writeln!(out, "{MAGIC}{meta}")?;
-    writeln!(out, "{TYPES}{}", letters.join(","))?;
-    if columns.is_empty() {
-        return out.flush();
-    }
-    let mut writer = ::csv::Writer::from_writer(out);
-    writer.write_record(columns.iter().map(|column| &column.name))?;
-    writer.flush()
+/// A file under way.
+pub(super) struct Sheet<W: Write> {
+    writer: Writer<W>,
+    check: Check,
+    types: String,
+    meta: String,
+    is_begun: bool,
 }
 
-pub(super) fn write_rows(columns: &[Column], out: &mut dyn Write) -> io::Result<()> {
-    let rows = columns.first().map_or(0, |column| column.values.len());
-    let mut writer = ::csv::Writer::from_writer(out);
-    let mut text = String::new();
-    for row in 0..rows {
+impl<W: Write> Sheet<W> {
+    /// Writes the names.
+    pub(super) fn start(meta: &str, columns: &[Column], out: W) -> io::Result<Self> {
+        let mut sheet = Self {
+            writer: Writer::from_writer(out),
+            check: Check::default(),
+            types: columns.iter().map(|c| letter(c.values.kind())).collect(),
+            meta: meta.to_owned(),
+            is_begun: false,
+        };
         for column in columns {
-            text.clear();
-            let field = match &column.values {
-                Values::Float(values) => float_text(values[row], &mut text),
-                Values::Integer(values) => {
-                    let _ = write!(text, "{}", values[row]);
-                    &text
-                }
-                Values::Text(values) => &values[row],
-            };
-            writer.write_field(field)?;
+            sheet.field(column.name.as_bytes())?;
         }
-        writer.write_record(None::<&[u8]>)?;
+        sheet.writer.write_field(ABOUT)?;
+        sheet.end_row()?;
+        Ok(sheet)
     }
-    writer.flush()
+
+    /// Adds rows, and hands them on.
+    pub(super) fn add(&mut self, columns: &[Column]) -> io::Result<()> {
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        let mut text = String::new();
+        for row in 0..rows {
+            for column in columns {
+                text.clear();
+                self.field(field(&column.values, row, &mut text).as_bytes())?;
+            }
+            self.about(false)?;
+        }
+        self.writer.flush()
+    }
+
+    /// What is said of the run is in the file also without rows.
+    pub(super) fn finish(mut self) -> io::Result<W> {
+        if !self.is_begun {
+            for _ in 0..self.types.len() {
+                self.field(b"")?;
+            }
+            self.about(true)?;
+        }
+        self.writer
+            .into_inner()
+            .map_err(|error| io::Error::other(error.to_string()))
+    }
+
+    fn about(&mut self, is_empty: bool) -> io::Result<()> {
+        let text = if self.is_begun {
+            self.check.text()
+        } else {
+            self.is_begun = true;
+            About::text(&self.types, &mut self.check, is_empty, &self.meta)
+        };
+        self.writer.write_field(text)?;
+        self.end_row()
+    }
+
+    fn field(&mut self, field: &[u8]) -> io::Result<()> {
+        self.check.add(field);
+        Ok(self.writer.write_field(field)?)
+    }
+
+    fn end_row(&mut self) -> io::Result<()> {
+        Ok(self.writer.write_record(None::<&[u8]>)?)
+    }
 }
 
-fn letter(kind: Kind) -> &'static str {
+fn field<'a>(values: &'a Values, row: usize, text: &'a mut String) -> &'a str {
+    match values {
+        Values::Float(values) => float_text(values[row], text),
+        Values::Integer(values) => {
+            let _ = write!(text, "{}", values[row]);
+            text
+        }
+        Values::Text(values) => &values[row],
+    }
+}
+
+/// What the first row says of the run.
+struct About<'a> {
+    types: &'a str,
+    kinds: Vec<Kind>,
+    check: &'a str,
+    is_empty: bool,
+    meta: &'a str,
+}
+
+impl<'a> About<'a> {
+    const START: &'static str = r#"{"log":"drivekit run log 2","types":""#;
+    const CHECK: &'static str = r#"","check":""#;
+    const EMPTY: &'static str = r#","empty":true"#;
+    const RUN: &'static str = r#","run":"#;
+
+    fn text(types: &str, check: &mut Check, is_empty: bool, meta: &str) -> String {
+        check.add(types.as_bytes());
+        check.add(meta.as_bytes());
+        let empty = if is_empty { Self::EMPTY } else { "" };
+        let (start, before, run) = (Self::START, Self::CHECK, Self::RUN);
+        format!(
+            "{start}{types}{before}{}\"{empty}{run}{meta}}}",
+            check.text()
+        )
+    }
+
+    /// Bit for bit what was written; none of another text.
+    fn of(text: &'a str) -> Option<Self> {
+        let rest = text.strip_prefix(Self::START)?;
+        let (types, rest) = rest.split_once(Self::CHECK)?;
+        let (check, rest) = rest.split_once('"')?;
+        let short = rest.strip_prefix(Self::EMPTY);
+        let meta = short.unwrap_or(rest).strip_prefix(Self::RUN)?;
+        Some(Self {
+            types,
+            kinds: types.chars().map(kind).collect::<Option<_>>()?,
+            check,
+            is_empty: short.is_some(),
+            meta: meta.strip_suffix('}')?,
+        })
+    }
+}
+
+fn letter(kind: Kind) -> char {
     match kind {
-        Kind::Float => "f",
-        Kind::Integer => "i",
-        Kind::Text => "t",
+        Kind::Float => 'f',
+        Kind::Integer => 'i',
+        Kind::Text => 't',
+    }
+}
+
+pub(super) fn kind(letter: char) -> Option<Kind> {
+    match letter {
+        'f' => Some(Kind::Float),
+        'i' => Some(Kind::Integer),
+        't' => Some(Kind::Text),
+        _ => None,
     }
 }
 
@@ -72,143 +182,83 @@ fn float_text(value: f64, text: &mut String) -> &str {
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
-    let end = bytes.iter().position(|b| *b == b'\n');
-    let (first, rest) = bytes.split_at(end.map_or(bytes.len(), |end| end + 1));
-    let meta = str::from_utf8(first).ok().and_then(|line| {
-        let line = line.strip_prefix('\u{feff}').unwrap_or(line);
-        line.strip_prefix(MAGIC)
-    });
-    let Some(meta) = meta else {
-        let found = shortened(String::from_utf8_lossy(first).trim_end());
-        return Err(Flaw::at(
-            ", line 1".to_owned(),
-            format!("{found:?}"),
-            FOREIGN,
-        ));
-    };
-
-    // the comment with the types is a record of as many fields as the rest
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(rest);
-    let mut next = |record: &mut ByteRecord| {
-        let read = reader.read_byte_record(record);
-        read.map_err(|error| Flaw::new(error.to_string(), DAMAGED))
-    };
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.starts_with(csv_old::MAGIC.as_bytes()) {
+        return csv_old::read(bytes);
+    }
+    let mut records = Records::new(bytes, 1);
     let mut record = ByteRecord::new();
-    next(&mut record)?;
-    let kinds = kinds(&record)?;
-    let cut = !rest.ends_with(b"\n") || rest.iter().filter(|b| **b == b'"').count() % 2 == 1;
-    let mut columns = Vec::new();
-    let mut more = false;
-    if !kinds.is_empty() {
-        next(&mut record)?;
-        columns = header(&record, &kinds)?;
-        more = next(&mut record)?;
+    records.next(&mut record)?;
+    let names = names_before_about(&record).ok_or_else(|| foreign(bytes))?;
+    let is_cut = records.is_cut(record.len())?;
+    if !records.next(&mut record)? {
+        return Err(Flaw::new("it ends before its first row is whole", DAMAGED));
     }
-    if cut && !more {
-        return Err(Flaw::new("it ends in its header", DAMAGED));
-    }
-    let mut following = ByteRecord::new();
+    check_fields(&record, names.len() + 1)?;
+    let mut check = Check::default();
+    names.iter().for_each(|name| check.add(name));
+    let about = text(&record, last(&record))?;
+    let about = begun(&about, &record, &mut check)?;
+    let mut columns = header(&names, &about.kinds)?;
+    let mut more = !about.is_empty || records.next(&mut record)?;
     while more {
-        more = next(&mut following)?;
-        if more || !cut {
-            push(&mut columns, &record)?;
-        }
-        std::mem::swap(&mut record, &mut following);
-    }
-    table(meta.trim_end_matches(['\r', '\n']), columns, cut)
-}
-
-fn kinds(record: &ByteRecord) -> Result<Vec<Kind>, Flaw> {
-    let wrong = |found: &[u8]| {
-        let found = shortened(&String::from_utf8_lossy(found));
-        Flaw::at(", line 2".to_owned(), format!("{found:?}"), FOREIGN)
-    };
-    let first = record.get(0).unwrap_or_default();
-    let first = first
-        .strip_prefix(TYPES.as_bytes())
-        .ok_or_else(|| wrong(first))?;
-    if record.len() > MAX_COLUMNS {
-        return Err(wrong(format!("{} columns", record.len()).as_bytes()));
-    }
-    if record.len() == 1 && first.is_empty() {
-        return Ok(Vec::new());
-    }
-    std::iter::once(first)
-        .chain(record.iter().skip(1))
-        .map(|field| match field {
-            b"f" => Ok(Kind::Float),
-            b"i" => Ok(Kind::Integer),
-            b"t" => Ok(Kind::Text),
-            _ => Err(wrong(field)),
-        })
-        .collect()
-}
-
-fn header(record: &ByteRecord, kinds: &[Kind]) -> Result<Vec<Column>, Flaw> {
-    check_fields(record, kinds.len())?;
-    let names = record.iter().zip(kinds);
-    names
-        .map(|(name, kind)| Ok(kind.column(text(record, name)?)))
-        .collect()
-}
-
-fn push(columns: &mut [Column], record: &ByteRecord) -> Result<(), Flaw> {
-    check_fields(record, columns.len())?;
-    for (column, field) in columns.iter_mut().zip(record) {
-        let pushed = match &mut column.values {
-            Values::Float(values) if field.is_empty() => {
-                values.push(f64::NAN);
-                Some(())
-            }
-            Values::Float(values) => number(field).map(|value| values.push(value)),
-            Values::Integer(values) => number(field).map(|value| values.push(value)),
-            Values::Text(values) => {
-                values.push(text(record, field)?);
-                Some(())
-            }
-        };
-        if pushed.is_none() {
-            return Err(Flaw::at(
-                format!("{}, column {:?}", line(record), column.name),
-                format!(
-                    "{:?} is no number",
-                    shortened(&String::from_utf8_lossy(field))
-                ),
-                "correct the value, or leave it empty if the column has a decimal point elsewhere",
-            ));
+        push(&mut columns, &record)?;
+        more = records.next(&mut record)?;
+        if more {
+            check_fields(&record, names.len() + 1)?;
+            add_fields(&mut check, &record);
+            agree(&check, &record, last(&record))?;
         }
     }
-    Ok(())
+    table(about.meta, columns, is_cut)
 }
 
-fn number<T: std::str::FromStr>(field: &[u8]) -> Option<T> {
-    str::from_utf8(field).ok()?.trim().parse().ok()
+/// None if the last is another.
+fn names_before_about(record: &ByteRecord) -> Option<ByteRecord> {
+    let count = record.len().checked_sub(1)?;
+    let mut names = record.clone();
+    names.truncate(count);
+    (record.get(count)? == ABOUT.as_bytes()).then_some(names)
 }
 
-fn text(record: &ByteRecord, field: &[u8]) -> Result<String, Flaw> {
-    let text = str::from_utf8(field).map(ToOwned::to_owned);
-    text.map_err(|_| {
-        let found = shortened(&String::from_utf8_lossy(field));
-        Flaw::at(line(record), format!("{found:?} is not UTF-8"), DAMAGED)
-    })
+fn foreign(bytes: &[u8]) -> Flaw {
+    let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+    let found = shortened(String::from_utf8_lossy(first).trim_end());
+    Flaw::at(", line 1".to_owned(), format!("{found:?}"), FOREIGN)
 }
 
-fn check_fields(record: &ByteRecord, expected: usize) -> Result<(), Flaw> {
-    if record.len() == expected {
+fn last(record: &ByteRecord) -> &[u8] {
+    record.iter().last().unwrap_or_default()
+}
+
+fn add_fields(check: &mut Check, record: &ByteRecord) {
+    let fields = record.iter().take(record.len().saturating_sub(1));
+    fields.for_each(|field| check.add(field));
+}
+
+/// What the first row says, if that agrees with its check.
+fn begun<'a>(text: &'a str, first: &ByteRecord, check: &mut Check) -> Result<About<'a>, Flaw> {
+    let about = About::of(text);
+    let about = about.filter(|about| about.kinds.len() + 1 == first.len());
+    let about = about.ok_or_else(|| {
+        let place = format!("{}, column {ABOUT:?}", line(first));
+        Flaw::at(place, format!("{:?}", shortened(text)), FOREIGN)
+    })?;
+    add_fields(check, first);
+    check.add(about.types.as_bytes());
+    check.add(about.meta.as_bytes());
+    agree(check, first, about.check.as_bytes())?;
+    Ok(about)
+}
+
+fn agree(check: &Check, record: &ByteRecord, written: &[u8]) -> Result<(), Flaw> {
+    if check.text().as_bytes() == written {
         return Ok(());
     }
-    Err(Flaw::at(
-        line(record),
-        format!("{} fields where {expected} are expected", record.len()),
-        "complete or delete the line",
-    ))
-}
-
-/// Where a record starts; the reader began at line 2.
-fn line(record: &ByteRecord) -> String {
-    let line = record.position().map_or(0, ::csv::Position::line);
-    format!(", line {}", line + 1)
+    let written = shortened(&String::from_utf8_lossy(written));
+    let found = format!(
+        "damaged or changed: its check is {written:?} and would be {:?}",
+        check.text()
+    );
+    Err(Flaw::at(line(record), found, DAMAGED))
 }

@@ -1,23 +1,26 @@
 //! A run log that is written while the run goes on, so that it is whole up to the last step whatever ends the program.
 
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::BufWriter;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use super::csv;
+use super::csv::Sheet;
 use crate::Error;
-use crate::run_log::{RunSpec, columns};
+use crate::run_log::{Columns, RunSpec};
 use crate::tick::Tick;
 
 /// Steps that wait for a slow disk: at 50 Hz those of 20 s.
 const WAITING: usize = 1000;
 
+/// The ticks of a step, and the wall clock at 0 s, in s since 1970.
+type Step = (Vec<Tick>, f64);
+
 /// A CSV run log under way. A thread writes each step as a whole, so that a slow disk does not hold up the loop.
 #[derive(Debug)]
 pub struct Journal {
-    steps: Option<SyncSender<Vec<Tick>>>,
+    steps: Option<SyncSender<Step>>,
     thread: Option<JoinHandle<std::io::Result<()>>>,
 }
 
@@ -29,7 +32,7 @@ impl Journal {
     /// A file that is there already, perhaps of a session that was killed, or that cannot be written.
     pub fn create(path: &Path, spec: &RunSpec) -> Result<Self, Error> {
         let failed = |source| Error::Write { source };
-        let mut file = File::create_new(path).map_err(|source| match source.kind() {
+        let file = File::create_new(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::AlreadyExists => Error::Content {
                 path: path.to_owned(),
                 place: String::new(),
@@ -38,20 +41,28 @@ impl Journal {
             },
             _ => failed(source),
         })?;
-        csv::write_header(&spec.to_json()?, &columns(&[]), &mut file).map_err(failed)?;
+        let half_width_m = spec.half_width_m();
+        let columns = move |started_unix_s| Columns {
+            half_width_m,
+            started_unix_s: Some(started_unix_s),
+        };
+        let file = BufWriter::with_capacity(1 << 16, file);
+        let sheet = Sheet::start(&spec.to_json()?, &columns(0.0).of(&[]), file).map_err(failed)?;
         let (sender, receiver) = sync_channel(WAITING);
         let thread = std::thread::Builder::new().name("run log".to_owned());
-        let thread = thread.spawn(move || write(file, &receiver));
+        let thread = thread.spawn(move || write(sheet, &receiver, columns));
         Ok(Self {
             steps: Some(sender),
             thread: Some(thread.map_err(failed)?),
         })
     }
 
-    /// Adds the ticks of a step, without waiting. False says that the file takes no more.
-    pub fn add(&self, ticks: &[Tick]) -> bool {
+    /// Adds the ticks of a step, without waiting. `started_unix_s` is the wall clock at 0 s, in s since 1970. False says that
+    /// the file takes no more.
+    pub fn add(&self, ticks: &[Tick], started_unix_s: f64) -> bool {
+        let step = (ticks.to_vec(), started_unix_s);
         let steps = self.steps.as_ref();
-        steps.is_some_and(|steps| steps.try_send(ticks.to_vec()).is_ok())
+        steps.is_some_and(|steps| steps.try_send(step).is_ok())
     }
 
     /// Writes what is left.
@@ -80,11 +91,13 @@ impl Drop for Journal {
     }
 }
 
-fn write(file: File, steps: &Receiver<Vec<Tick>>) -> std::io::Result<()> {
-    let mut file = BufWriter::with_capacity(1 << 16, file);
-    for ticks in steps {
-        csv::write_rows(&columns(&ticks), &mut file)?;
-        file.flush()?;
+fn write(
+    mut sheet: Sheet<BufWriter<File>>,
+    steps: &Receiver<Step>,
+    columns: impl Fn(f64) -> Columns,
+) -> std::io::Result<()> {
+    for (ticks, started_unix_s) in steps {
+        sheet.add(&columns(started_unix_s).of(&ticks))?;
     }
-    file.get_ref().sync_all()
+    sheet.finish()?.get_ref().sync_all()
 }

@@ -1,14 +1,14 @@
-//! Reading of MCAP files, up to their first broken record.
+//! Reading of MCAP files: of one that was cut, the whole chunks; one that is damaged is refused.
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 
 use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use ::mcap::{McapError, parse_record};
+use ::mcap::{MAGIC, McapError, parse_record};
 use serde_json::{Map, Value};
 
-use super::mcap::{NAME, TICK_SCHEMA};
+use super::mcap::{INFINITE, NAME, TICK_SCHEMA};
 use super::{Column, DAMAGED, Flaw, Kind, LogTable, MAX_BYTES, Values, shortened, table};
 
 /// The largest record or chunk that is read, in bytes.
@@ -19,11 +19,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
     let (meta, mut columns) = read_metadata(bytes)?;
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
-        .with_validate_data_section_crc(true);
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true);
+    let mut before = String::new();
     let mut schemas = HashSet::new();
     let mut channels = HashSet::new();
     let mut room = MAX_BYTES;
-    let whole = each_record(bytes, options, |record| {
+    let end = each_record(bytes, options, |record| {
         match record {
             Record::Schema { header, .. } if header.name == TICK_SCHEMA => {
                 schemas.insert(header.id);
@@ -34,29 +36,55 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
             Record::Message { header, data } if channels.contains(&header.channel_id) => {
                 let left = room.checked_sub(data.len() as u64);
                 room = left.ok_or_else(Flaw::too_large)?;
+                let (tick, time) = (header.sequence, header.log_time);
                 push(&mut columns, &data).map_err(|(place, found)| {
-                    let (tick, time) = (header.sequence, header.log_time);
                     let record = format!(", record of tick {tick} at {time} ns{place}");
                     Flaw::at(record, found, DAMAGED)
                 })?;
+                before = format!(", after the record of tick {tick} at {time} ns");
             }
             _ => {}
         }
         Ok(ControlFlow::Continue(()))
     })?;
-    table(&meta, columns, !whole)
+    match end {
+        End::Damaged(found) => Err(Flaw::at(before, found, DAMAGED)),
+        end => table(&meta, columns, end == End::Cut),
+    }
+}
+
+/// What the records of a file end with.
+#[derive(Debug, PartialEq, Eq)]
+enum End {
+    Whole,
+    Cut,
+    Damaged(String),
+}
+
+impl End {
+    /// A file that has its last bytes was not cut.
+    fn of(error: &McapError, bytes: &[u8]) -> Self {
+        let is_out_of_bytes = matches!(error, McapError::UnexpectedEof);
+        if is_out_of_bytes && !bytes.ends_with(MAGIC) {
+            return Self::Cut;
+        }
+        Self::Damaged(format!("damaged: {error}"))
+    }
 }
 
 fn read_metadata(bytes: &[u8]) -> Result<(String, Vec<Column>), Flaw> {
     let mut found = None;
     let options = LinearReaderOptions::default().with_emit_chunks(true);
-    each_record(bytes, options, |record| match record {
+    let end = each_record(bytes, options, |record| match record {
         Record::Metadata(metadata) if metadata.name == NAME => {
             found = Some(metadata.metadata);
             Ok(ControlFlow::Break(()))
         }
         _ => Ok(ControlFlow::Continue(())),
     })?;
+    if let (End::Damaged(what), None) = (end, &found) {
+        return Err(Flaw::new(what, FOREIGN));
+    }
     let absent = format!("no metadata record {NAME:?}");
     let mut found = found.ok_or_else(|| Flaw::new(absent, FOREIGN))?;
     let place = || format!(", metadata record {NAME:?}");
@@ -71,13 +99,12 @@ fn read_metadata(bytes: &[u8]) -> Result<(String, Vec<Column>), Flaw> {
     Ok((meta, columns.collect()))
 }
 
-/// Calls `take` with the records that matter here, up to the first broken one. Returns whether the
-/// file is whole.
+/// Calls `take` with the records that matter here, up to the first broken one.
 fn each_record(
     bytes: &[u8],
     options: LinearReaderOptions,
     mut take: impl FnMut(Record<'_>) -> Result<ControlFlow<()>, Flaw>,
-) -> Result<bool, Flaw> {
+) -> Result<End, Flaw> {
     let mut reader = LinearReader::new_with_options(options.with_record_length_limit(MAX_RECORD));
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {
@@ -94,8 +121,9 @@ fn each_record(
                 if !wanted.contains(&opcode) {
                     continue;
                 }
-                let Ok(record) = parse_record(opcode, data) else {
-                    return Ok(false);
+                let record = match parse_record(opcode, data) {
+                    Ok(record) => record,
+                    Err(error) => return Ok(End::of(&error, bytes)),
                 };
                 if take(record)?.is_break() {
                     break;
@@ -105,19 +133,28 @@ fn each_record(
                 let found = format!("compression {:?}", shortened(&name));
                 return Err(Flaw::new(found, "compress it with zstd: mcap compress"));
             }
-            Err(_) => return Ok(false),
+            Err(error) => return Ok(End::of(&error, bytes)),
         }
     }
-    Ok(true)
+    Ok(End::Whole)
 }
 
 /// Appends a message; what is wrong with it on failure, and in which column.
 fn push(columns: &mut [Column], data: &[u8]) -> Result<(), (String, String)> {
     let mut message: Map<String, Value> =
         serde_json::from_slice(data).map_err(|error| (String::new(), error.to_string()))?;
+    let infinite = match message.remove(INFINITE) {
+        Some(Value::Object(infinite)) => infinite,
+        _ => Map::new(),
+    };
     for column in columns {
         let wrong = |found: String| Err((format!(", column {:?}", shortened(&column.name)), found));
-        let Some(value) = message.remove(&column.name) else {
+        let value = message.remove(&column.name).or_else(|| {
+            let is_number = matches!(column.values, Values::Float(_));
+            let apart = infinite.get(&column.name).cloned();
+            is_number.then(|| apart.unwrap_or(Value::Null))
+        });
+        let Some(value) = value else {
             return wrong("the value is missing".to_owned());
         };
         let pushed = match (&mut column.values, value) {
@@ -143,6 +180,7 @@ fn push(columns: &mut [Column], data: &[u8]) -> Result<(), (String, String)> {
     Ok(())
 }
 
+/// Logs of before have `null` and infinities in place.
 fn float(value: &Value) -> Option<f64> {
     match value {
         Value::Null => Some(f64::NAN),

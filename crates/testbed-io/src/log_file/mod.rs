@@ -2,19 +2,22 @@
 //!
 //! | format  | for | metadata | NaN | infinities | cut short |
 //! |---------|-----|----------|-----|------------|-----------|
-//! | CSV     | reading by eye and anywhere | first line | empty | `inf`, `-inf` | whole lines |
+//! | CSV     | reading by eye and anywhere | column `about` | empty | `inf`, `-inf` | whole lines |
 //! | Parquet | notebooks | key `drivekit` of the footer | NaN | kept | nothing |
-//! | MCAP    | Foxglove, robot tools | record `drivekit` | `null` | `"inf"`, `"-inf"` | whole chunks |
+//! | MCAP    | Foxglove, robot tools | record `drivekit` | left out | `"inf"`, `"-inf"`, apart | whole chunks |
 //!
 //! What is written reads back to the same bits, except the payload of NaNs in CSV and MCAP.
-//! A CSV file that was cut exactly between two lines looks whole.
+//! A CSV file that was cut exactly between two lines looks whole. Damage is told apart from a cut by checks in CSV and MCAP.
 
+mod check;
 mod csv;
+mod csv_old;
 mod journal;
 mod mcap;
 mod mcap_read;
 mod pages;
 mod parquet;
+mod records;
 
 use std::collections::HashSet;
 use std::io::Write;
@@ -111,7 +114,7 @@ impl LogTable {
     ///
     /// # Errors
     ///
-    /// [`Error::Table`] if `meta` is not JSON, a name is empty or appears twice, the columns differ
+    /// [`Error::Table`] if `meta` is not JSON, a name is empty, begins with a byte order mark or appears twice, the columns differ
     /// in length, or there are more than 10,000 of them.
     pub fn new(meta: &str, columns: Vec<Column>) -> Result<LogTable, Error> {
         let problem = |problem: String| Err(Error::Table { problem });
@@ -127,6 +130,9 @@ impl LogTable {
             let name = &column.name;
             if name.is_empty() {
                 return problem("a column without a name; name every column".to_owned());
+            }
+            if name.starts_with('\u{feff}') {
+                return problem(format!("column {name:?} begins with a byte order mark"));
             }
             if !names.insert(name) {
                 return problem(format!("two columns {name:?}; give each its own name"));
@@ -177,7 +183,7 @@ impl LogTable {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// Whether the end of the file was missing or damaged, so that rows may be missing here.
+    /// Whether the end of the file was missing, so that rows may be missing here.
     #[must_use]
     pub fn truncated(&self) -> bool {
         self.truncated
@@ -187,7 +193,7 @@ impl LogTable {
 /// A format of run logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogFormat {
-    /// Comma-separated values with two comment lines
+    /// Comma-separated values, a line with the names and a line per row
     Csv,
     /// Apache Parquet
     Parquet,
@@ -217,8 +223,9 @@ impl LogFormat {
 /// Writes a run log. Infinities and the sign of zero survive in every format.
 ///
 /// MCAP needs the integer columns `tick` (from 0) and `robot` and the float column `time_s` (from
-/// 0), which become the sequence, the topic and the time of the messages. With the float columns
-/// `true_x_m`, `true_y_m` and `true_heading_rad` each robot also gets a topic of poses.
+/// 0), which become the sequence, the topic and the time of the messages; a float column `unix_time_s` makes the times those of
+/// the wall clock. With the float columns `pose_x_m`, `pose_y_m` and `pose_heading_rad` each robot also gets a topic of measured
+/// poses, and with `true_x_m`, `true_y_m` and `true_heading_rad` one of true places.
 ///
 /// # Errors
 ///
@@ -248,7 +255,7 @@ pub fn read(path: &Path) -> Result<LogTable, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::Content`] if it is not a run log, or one that is damaged elsewhere than at its end.
+/// [`Error::Content`] if it is not a run log, or one that is damaged. One that was only cut off is read as far as it is whole.
 pub fn read_bytes(bytes: &[u8], format: LogFormat) -> Result<LogTable, Error> {
     read_named(Path::new("run log"), bytes, format)
 }

@@ -1,6 +1,7 @@
 //! Run logs to and from their three formats.
 
 mod any_table;
+mod csv_files;
 mod mcap_files;
 
 use std::path::Path;
@@ -138,62 +139,6 @@ fn nothing_comes_back_as_nothing() {
             &none,
             format,
         );
-    }
-}
-
-#[test]
-fn csv_is_plain() {
-    let columns = vec![
-        column(
-            "x_m",
-            Values::Float(vec![1.0, f64::NAN, -0.0, 1e300, f64::INFINITY]),
-        ),
-        column("n", Values::Integer(vec![1, -2, 3, i64::MAX, i64::MIN])),
-        column(
-            "word",
-            Values::Text(["a", "", "b,c", "\"", "inf"].map(String::from).to_vec()),
-        ),
-    ];
-    let table = LogTable::new(r#"{"a": 1}"#, columns).unwrap();
-    let text = String::from_utf8(bytes(&table, LogFormat::Csv)).unwrap();
-    let expected = "# drivekit run log 1 {\"a\": 1}\n# types f,i,t\nx_m,n,word\n1,1,a\n,-2,\n\
-                    -0,3,\"b,c\"\n1e300,9223372036854775807,\"\"\"\"\ninf,-9223372036854775808,inf\n";
-    assert_eq!(text, expected);
-    let windows = format!("\u{feff}{}", text.replace('\n', "\r\n"));
-    assert_same(
-        &read_bytes(windows.as_bytes(), LogFormat::Csv).unwrap(),
-        &table,
-        LogFormat::Csv,
-    );
-}
-
-#[test]
-fn a_csv_cut_short_gives_its_whole_lines() {
-    let table = run(3);
-    let whole = bytes(&table, LogFormat::Csv);
-    let header = whole.len()
-        - String::from_utf8_lossy(&whole)
-            .split_once("barrier\n")
-            .unwrap()
-            .1
-            .len();
-    for end in 0..whole.len() {
-        let cut = read_bytes(&whole[..end], LogFormat::Csv);
-        if end < header {
-            assert!(cut.is_err(), "{end}");
-            continue;
-        }
-        let cut = cut.unwrap();
-        let ends = bits(&cut)
-            .iter()
-            .zip(bits(&table))
-            .all(|(a, b)| b.1.starts_with(&a.1));
-        assert!(ends, "{end}");
-        // a file that ends between two lines looks whole
-        let between = cut.rows() == 0 && end == header
-            || whole[..end].ends_with(b",inf\n")
-            || whole[..end].ends_with(b",1\n");
-        assert_eq!(cut.truncated(), !between, "{end}");
     }
 }
 

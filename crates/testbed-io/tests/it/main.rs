@@ -9,6 +9,7 @@
 )]
 
 mod campaign;
+mod figures;
 mod json_lines;
 mod literal;
 mod log_file;

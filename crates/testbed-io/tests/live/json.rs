@@ -139,6 +139,7 @@ fn a_recording_is_played_fast_and_in_real_time() {
     let table = Run {
         spec: run_spec,
         ticks,
+        started_unix_s: None,
     }
     .to_table()
     .unwrap();

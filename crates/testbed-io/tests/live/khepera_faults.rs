@@ -238,7 +238,7 @@ fn a_stopped_session_has_a_whole_log() {
     let mut steps = 0;
     let ended = session.run(&stop, |update| {
         if let testbed_io::live::Update::Step { ticks, .. } = update {
-            assert!(journal.add(ticks));
+            assert!(journal.add(ticks, 1e9));
             steps += 1;
             if ticks[0].time_s > 4.0 && asked.is_none() {
                 // What is in the file now is what a kill would leave.

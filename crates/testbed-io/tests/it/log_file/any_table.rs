@@ -60,7 +60,7 @@ fn any_table(mcap: bool) -> impl Strategy<Value = LogTable> {
     (columns, text()).prop_map(move |((columns, needed, pose, x), meta)| {
         let mut all = BTreeMap::new();
         for (name, values) in columns {
-            all.insert(format!("{name}_"), values);
+            all.insert(format!("n{name}_"), values);
         }
         if pose {
             for name in ["true_x_m", "true_y_m", "true_heading_rad"] {

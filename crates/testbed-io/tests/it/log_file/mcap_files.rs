@@ -3,8 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
-use testbed_io::Error;
 use testbed_io::log_file::{Column, LogFormat, LogTable, Values, read_bytes, write};
+use testbed_io::{Disturbances, Error, RunSpec};
+
+use unicycle_cbf::{Preset, ScenarioSpec, Testbed};
 
 use super::{bits, bytes, column, run};
 
@@ -19,7 +21,7 @@ fn mcap_has_topics_schemas_and_times() {
         let schema = message.channel.schema.as_ref().unwrap();
         let (topic, pose) = (
             &message.channel.topic,
-            message.channel.topic.ends_with("/pose"),
+            message.channel.topic.ends_with("/true_point_of_interest"),
         );
         let name = if pose {
             "foxglove.PoseInFrame"
@@ -36,10 +38,7 @@ fn mcap_has_topics_schemas_and_times() {
         let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
         assert_eq!(schema["type"], "object");
         let properties = schema["properties"].as_object().unwrap();
-        assert!(
-            value.as_object().unwrap().keys().eq(properties.keys()),
-            "{topic}"
-        );
+        assert_valid(&value, &schema, topic);
         if pose {
             poses += 1;
             assert_eq!(value["frame_id"], "lane");
@@ -57,10 +56,10 @@ fn mcap_has_topics_schemas_and_times() {
     assert_eq!(poses, 5, "none where the pose is not known");
     let topics: Vec<&str> = seen.keys().map(String::as_str).collect();
     let expected = [
-        "/robot0/pose",
         "/robot0/tick",
-        "/robot1/pose",
+        "/robot0/true_point_of_interest",
         "/robot1/tick",
+        "/robot1/true_point_of_interest",
     ];
     assert_eq!(topics, expected);
     let times = [(0, 0), (1, 33_333_333), (2, 66_666_667), (3, 100_000_000)];
@@ -90,10 +89,125 @@ fn an_mcap_cut_short_gives_its_whole_chunks() {
         }
     }
     assert!(counts.len() > 3 && counts.contains(&3000), "{counts:?}");
+}
+
+#[test]
+fn a_flipped_bit_in_an_mcap_is_an_error_that_says_after_which_record() {
+    let table = run(3000);
+    let whole = bytes(&table, LogFormat::Mcap);
+    for at in (8..whole.len()).step_by(whole.len() / 97) {
+        for end in [whole.len(), whole.len() - 100] {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 4;
+            damaged.truncate(end);
+            match read_bytes(&damaged, LogFormat::Mcap) {
+                Err(error) => assert!(
+                    error.to_string().contains("copy the file again") || at < 1000,
+                    "{error}"
+                ),
+                // What tells how long a record is may seem to point beyond a file that was also cut.
+                Ok(table) => assert!(end < whole.len() && table.truncated(), "{at}"),
+            }
+        }
+    }
     let mut damaged = whole.clone();
-    damaged[whole.len() / 3] ^= 4;
-    let damaged = read_bytes(&damaged, LogFormat::Mcap).unwrap();
-    assert!(damaged.truncated() && damaged.rows() > 0 && damaged.rows() < 3000);
+    damaged[whole.len() / 2] ^= 1;
+    let error = read_bytes(&damaged, LogFormat::Mcap).unwrap_err();
+    assert!(
+        error.to_string().contains(", after the record of tick "),
+        "{error}"
+    );
+}
+
+/// Types of properties, which is all that schemas of run logs say.
+fn assert_valid(value: &serde_json::Value, schema: &serde_json::Value, place: &str) {
+    let fits = match schema["type"].as_str().unwrap() {
+        "object" => value.is_object(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "string" => value.is_string(),
+        other => panic!("{place}: type {other}"),
+    };
+    assert!(fits, "{place}: {value} is no {}", schema["type"]);
+    let Some(object) = value.as_object() else {
+        return;
+    };
+    for (name, value) in object {
+        let property = &schema["properties"][name];
+        assert!(property.is_object(), "{place}: no {name} in the schema");
+        assert_valid(value, property, &format!("{place}/{name}"));
+    }
+}
+
+/// A simulated run whose poses come late, with some lost, by a wall clock.
+fn simulated() -> LogTable {
+    let scenario = Testbed::Khepera
+        .scenario("on-off", Preset::Hardened)
+        .unwrap();
+    let spec = RunSpec {
+        seed: 3,
+        scenario: ScenarioSpec {
+            duration_s: 4.0,
+            ..scenario
+        },
+        disturbances: Disturbances::HARD,
+        link: None,
+    };
+    let (mut run, _) = spec.simulate().unwrap();
+    run.started_unix_s = Some(1_760_000_000.0);
+    run.to_table().unwrap()
+}
+
+#[test]
+fn every_message_of_a_run_is_valid_by_its_own_schema() {
+    let table = simulated();
+    let bytes = bytes(&table, LogFormat::Mcap);
+    let mut count = 0;
+    for message in mcap::read::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.as_ref().unwrap();
+        let schema = serde_json::from_slice(&schema.data).unwrap();
+        let value = serde_json::from_slice(&message.data).unwrap();
+        assert_valid(&value, &schema, &message.channel.topic);
+        count += 1;
+    }
+    assert!(count > 2 * table.rows(), "{count}");
+}
+
+#[test]
+fn measured_poses_are_those_measured_at_their_time_by_the_wall_clock() {
+    let table = simulated();
+    let bytes = bytes(&table, LogFormat::Mcap);
+    let numbers = |name: &str| match table.column(name) {
+        Some(Values::Float(values)) => values.clone(),
+        _ => panic!("{name}"),
+    };
+    let [x_m, y_m, stamps_s, times_s] =
+        ["pose_x_m", "pose_y_m", "pose_stamp_s", "time_s"].map(numbers);
+    let mut rows = (0..table.rows()).filter(|row| x_m[*row].is_finite());
+    let mut ages_s = Vec::new();
+    for message in mcap::read::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        if !message.channel.topic.ends_with("/pose") {
+            continue;
+        }
+        let row = rows.next().unwrap();
+        let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+        let place = &value["pose"]["position"];
+        assert_eq!(
+            (&place["x"], &place["y"]),
+            (&x_m[row].into(), &y_m[row].into())
+        );
+        let stamp = &value["timestamp"];
+        let stamp_s =
+            stamp["sec"].as_f64().unwrap() - 1.76e9 + 1e-9 * stamp["nsec"].as_f64().unwrap();
+        assert!((stamp_s - stamps_s[row]).abs() < 1e-6, "{stamp}");
+        let log_s = (message.log_time - 1_760_000_000_000_000_000) as f64 * 1e-9;
+        assert!((log_s - times_s[row]).abs() < 1e-6);
+        ages_s.push(log_s - stamp_s);
+    }
+    assert_eq!(rows.next(), None);
+    assert!(ages_s.iter().any(|age_s| *age_s > 0.05), "poses were late");
 }
 
 #[test]
@@ -157,10 +271,18 @@ fn messages_of_mcap_are_checked() {
     let metadata = [("meta", "{}"), ("columns", columns)];
     let read = foreign_mcap(&metadata, r#"{"x": 1, "more": []}"#).unwrap();
     assert_eq!(read.column("x"), Some(&Values::Float(vec![1.0])));
+    for missing in ["{}", r#"{"x": null}"#] {
+        let read = foreign_mcap(&metadata, missing).unwrap();
+        assert!(matches!(read.column("x"), Some(Values::Float(x)) if x[0].is_nan()));
+    }
+    for infinite in [r#"{"x": "inf"}"#, r#"{"infinite_numbers": {"x": "inf"}}"#] {
+        let read = foreign_mcap(&metadata, infinite).unwrap();
+        assert_eq!(read.column("x"), Some(&Values::Float(vec![f64::INFINITY])));
+    }
     for (message, found) in [
         ("{", "EOF while parsing"),
         ("[1]", "invalid type: sequence"),
-        ("{}", "column \"x\": the value is missing"),
+        (r#"{"x": [1]}"#, "column \"x\": [1] is of another type"),
         (r#"{"x": "1"}"#, "column \"x\": \"1\" is of another type"),
         (r#"{"x": 1e999}"#, "out of range"),
     ] {
