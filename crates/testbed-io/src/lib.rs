@@ -52,7 +52,7 @@ pub use convoy::Convoy;
 pub use disturbances::{Disturbances, Group};
 pub use error::Error;
 pub use figures::{Event, Figures};
-pub use path_file::read_path;
+pub use path_file::PathFile;
 pub use replay::{Difference, Replay};
 pub use run_log::{LoggedTick, Run, RunLog, RunSpec};
 pub use shadow::{scenario_of, shadow};

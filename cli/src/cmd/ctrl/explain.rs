@@ -57,6 +57,9 @@ enum Barrier {
 
 pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outcome> {
     let named = args.scenario.named(PresetName::Thesis)?;
+    for text in &named.notes {
+        output::note(context, text);
+    }
     let scenario = Scenario::new(named.spec.scenario)?;
     let file = args.state.display();
     let text = std::fs::read_to_string(&args.state)

@@ -129,6 +129,9 @@ impl RunArgs {
             None => PresetName::Thesis,
         };
         let mut named = self.scenario.named(preset)?;
+        for text in &named.notes {
+            output::note(context, text);
+        }
         let spec = &mut named.spec;
         if let Some(group) = self.disturb {
             spec.disturbances = Disturbances::HARD.only(group.into());

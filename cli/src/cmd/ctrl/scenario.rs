@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use testbed_io::{Disturbances, Group, RunSpec};
+use testbed_io::{Disturbances, Group, PathFile, RunSpec};
 use unicycle_cbf::{PathSpec, Preset, ScenarioSpec, Testbed};
 
 /// A built-in scenario or a file.
@@ -21,9 +21,12 @@ pub(crate) struct ScenarioArgs {
     /// Settings of the controllers: the thesis's, or with every guard [default: thesis; with --live hardened; a file as it is]
     #[arg(long, value_enum)]
     pub(crate) preset: Option<PresetName>,
-    /// Closed path in place of the scenario's: CSV with x and y in m, in the order of travel
+    /// Closed path in place of the scenario's: CSV with columns x_m and y_m (or mm, cm, km), in the order of travel
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) path: Option<PathBuf>,
+    /// Close a path whose ends are apart, by a curve from the last point to the first
+    #[arg(long, requires = "path")]
+    pub(crate) close_path: bool,
 }
 
 /// Robots by name.
@@ -104,6 +107,8 @@ pub(crate) struct Named {
     pub(crate) preset: Option<PresetName>,
     /// Figures of the thesis that the scenario shows
     pub(crate) figures: &'static [&'static str],
+    /// What was taken for granted
+    pub(crate) notes: Vec<String>,
 }
 
 impl ScenarioArgs {
@@ -118,11 +123,30 @@ impl ScenarioArgs {
             self.built_in(default)?
         };
         if let Some(path) = &self.path {
-            let points_m = testbed_io::read_path(path)?;
+            let (points_m, notes) = self.points_m(path)?;
+            named.notes = notes;
             named.spec.scenario.path = PathSpec::Closed { points_m };
             named.figures = &[];
         }
         Ok(named)
+    }
+
+    /// Points of a path that is closed or is to be, and what to know of them.
+    fn points_m(&self, file: &Path) -> anyhow::Result<(Vec<[f64; 2]>, Vec<String>)> {
+        let path = PathFile::read(file)?;
+        let mut notes = path.notes.clone();
+        if let Some(gap_m) = path.gap_m() {
+            if !self.close_path {
+                bail!(
+                    "{}: the path is open, its ends are {gap_m:.3} m apart, and robots drive round and round; give points all around, or close it with --close-path",
+                    file.display()
+                );
+            }
+            notes.push(format!(
+                "the path was open by {gap_m:.3} m and is closed by a curve"
+            ));
+        }
+        Ok((path.points_m, notes))
     }
 
     fn built_in(&self, default: PresetName) -> anyhow::Result<Named> {
@@ -137,6 +161,7 @@ impl ScenarioArgs {
             },
             preset: Some(preset),
             figures: testbed.figures(&self.scenario),
+            notes: Vec::new(),
         })
     }
 
@@ -155,6 +180,7 @@ impl ScenarioArgs {
             spec,
             preset: self.preset,
             figures: &[],
+            notes: Vec::new(),
         })
     }
 }

@@ -17,6 +17,7 @@ mod natnet;
 mod natnet_axes;
 mod natnet_messages;
 mod random;
+mod path_files;
 mod recorded;
 mod replay;
 mod robotarium;
