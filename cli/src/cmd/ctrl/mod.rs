@@ -5,6 +5,7 @@ mod check;
 mod explain;
 mod guards;
 mod live;
+mod newest;
 mod replay;
 mod run;
 mod scenario;

@@ -1,5 +1,7 @@
 //! CRC-32 (IEEE 802.3) of what was logged so far.
 
+use super::{Column, Values};
+
 /// Remainders of single bytes.
 const TABLE: [u32; 256] = table();
 
@@ -39,10 +41,29 @@ impl Check {
         }
     }
 
+    /// Of the names and values of columns, bit for bit but for NaNs.
+    pub(super) fn of(columns: &[Column]) -> Self {
+        let mut check = Self::default();
+        for column in columns {
+            check.add(column.name.as_bytes());
+            match &column.values {
+                Values::Float(values) => values.iter().for_each(|v| check.add(&float_bytes(*v))),
+                Values::Integer(values) => values.iter().for_each(|v| check.add(&v.to_le_bytes())),
+                Values::Text(values) => values.iter().for_each(|v| check.add(v.as_bytes())),
+            }
+        }
+        check
+    }
+
     /// As it stands in files. The word keeps other programs from taking it for a number.
     pub(super) fn text(self) -> String {
         format!("crc {:08x}", !self.0)
     }
+}
+
+fn float_bytes(value: f64) -> [u8; 8] {
+    let value = if value.is_nan() { f64::NAN } else { value };
+    value.to_le_bytes()
 }
 
 #[cfg(test)]

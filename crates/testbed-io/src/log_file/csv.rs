@@ -228,7 +228,8 @@ fn foreign(bytes: &[u8]) -> Flaw {
 }
 
 fn last(record: &ByteRecord) -> &[u8] {
-    record.iter().last().unwrap_or_default()
+    let index = record.len().saturating_sub(1);
+    record.get(index).unwrap_or_default()
 }
 
 fn add_fields(check: &mut Check, record: &ByteRecord) {

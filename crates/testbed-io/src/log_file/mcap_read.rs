@@ -62,13 +62,13 @@ enum End {
 }
 
 impl End {
-    /// A file that has its last bytes was not cut.
-    fn of(error: &McapError, bytes: &[u8]) -> Self {
+    /// `at` is how far the file was read. One that has its last bytes was not cut.
+    fn of(error: &McapError, bytes: &[u8], at: usize) -> Self {
         let is_out_of_bytes = matches!(error, McapError::UnexpectedEof);
         if is_out_of_bytes && !bytes.ends_with(MAGIC) {
             return Self::Cut;
         }
-        Self::Damaged(format!("damaged: {error}"))
+        Self::Damaged(format!("damaged before byte {at}: {error}"))
     }
 }
 
@@ -123,7 +123,7 @@ fn each_record(
                 }
                 let record = match parse_record(opcode, data) {
                     Ok(record) => record,
-                    Err(error) => return Ok(End::of(&error, bytes)),
+                    Err(error) => return Ok(End::of(&error, bytes, bytes.len() - rest.len())),
                 };
                 if take(record)?.is_break() {
                     break;
@@ -133,7 +133,7 @@ fn each_record(
                 let found = format!("compression {:?}", shortened(&name));
                 return Err(Flaw::new(found, "compress it with zstd: mcap compress"));
             }
-            Err(error) => return Ok(End::of(&error, bytes)),
+            Err(error) => return Ok(End::of(&error, bytes, bytes.len() - rest.len())),
         }
     }
     Ok(End::Whole)

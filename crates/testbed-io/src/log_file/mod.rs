@@ -7,7 +7,7 @@
 //! | MCAP    | Foxglove, robot tools | record `drivekit` | left out | `"inf"`, `"-inf"`, apart | whole chunks |
 //!
 //! What is written reads back to the same bits, except the payload of NaNs in CSV and MCAP.
-//! A CSV file that was cut exactly between two lines looks whole. Damage is told apart from a cut by checks in CSV and MCAP.
+//! A CSV file that was cut exactly between two lines looks whole. Damage is found by checks, and told apart from a cut.
 
 mod check;
 mod csv;

@@ -8,11 +8,14 @@ use polars::prelude::{
     ParquetReader, ParquetWriter, PolarsResult, SerReader, Series,
 };
 
+use super::check::Check;
 use super::pages::check_chunk;
 use super::{Column, DAMAGED, Flaw, LogTable, MAX_BYTES, MAX_COLUMNS, Values, shortened, table};
 
 /// The key of the metadata in the footer.
 const KEY: &str = "drivekit";
+/// The key of the check of all values; logs of before have none.
+const CHECK: &str = "drivekit_check";
 const FOREIGN: &str = "only Parquet files that drivekit logged are read";
 
 pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
@@ -24,7 +27,11 @@ pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
             Values::Text(values) => Series::new(name, values),
         })
     });
-    let meta = vec![(KEY.to_owned(), table.meta().to_owned())];
+    let check = Check::of(table.columns()).text();
+    let meta = vec![
+        (KEY.to_owned(), table.meta().to_owned()),
+        (CHECK.to_owned(), check),
+    ];
     let mut frame = DataFrame::new(table.rows(), columns.collect()).map_err(io::Error::other)?;
     ParquetWriter::new(&mut *out)
         .with_key_value_metadata(Some(KeyValueMetadata::from_static(meta)))
@@ -36,7 +43,7 @@ pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
 
 pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
     let mut reader = ParquetReader::new(Cursor::new(bytes));
-    let meta = check(bytes, &mut reader)?;
+    let (meta, written) = check(bytes, &mut reader)?;
     let frame = guarded(|| reader.read_parallel(ParallelStrategy::None).finish())?;
     let mut room = MAX_BYTES;
     let columns = frame.columns().iter().map(|column| {
@@ -51,11 +58,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
         }
     });
     let columns = columns.collect::<Result<Vec<Column>, Flaw>>()?;
+    let found = Check::of(&columns).text();
+    if written.is_some_and(|written| written != found) {
+        let found = "damaged: its values do not agree with its check";
+        return Err(Flaw::new(found, DAMAGED));
+    }
     table(&meta, columns, false)
 }
 
-/// Checks what the footer promises before anything is decoded, and returns the metadata.
-fn check(bytes: &[u8], reader: &mut ParquetReader<Cursor<&[u8]>>) -> Result<String, Flaw> {
+/// Checks what the footer promises before anything is decoded, and returns the metadata and the check of all values.
+fn check(
+    bytes: &[u8],
+    reader: &mut ParquetReader<Cursor<&[u8]>>,
+) -> Result<(String, Option<String>), Flaw> {
     let schema = guarded(|| reader.schema())?;
     let footer = guarded(|| Ok(reader.get_metadata()?.clone()))?;
     if schema.len() > MAX_COLUMNS {
@@ -93,10 +108,13 @@ fn check(bytes: &[u8], reader: &mut ParquetReader<Cursor<&[u8]>>) -> Result<Stri
         Ok(chunks.collect::<Result<(), &str>>())
     })?;
     checked.map_err(|found| Flaw::new(found, DAMAGED))?;
-    let pairs = footer.key_value_metadata.iter().flatten();
-    let mut metas = pairs.filter(|pair| pair.key == KEY);
-    let meta = metas.next().and_then(|pair| pair.value.clone());
-    meta.ok_or_else(|| Flaw::new(format!("no metadata {KEY:?} in the footer"), FOREIGN))
+    let said = |key: &str| {
+        let mut pairs = footer.key_value_metadata.iter().flatten();
+        pairs.find(|pair| pair.key == key)?.value.clone()
+    };
+    let meta = said(KEY);
+    let absent = || Flaw::new(format!("no metadata {KEY:?} in the footer"), FOREIGN);
+    Ok((meta.ok_or_else(absent)?, said(CHECK)))
 }
 
 /// The values of a column, or what is wrong with it. `room` is the number of bytes that texts may

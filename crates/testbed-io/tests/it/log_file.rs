@@ -123,6 +123,19 @@ fn a_run_comes_back_from_files() {
 }
 
 #[test]
+fn a_flipped_bit_in_a_parquet_never_changes_a_value_silently() {
+    let table = run(200);
+    let whole = bytes(&table, LogFormat::Parquet);
+    for at in (0..whole.len()).step_by(7) {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 1 << (at % 8);
+        if let Ok(read) = read_bytes(&damaged, LogFormat::Parquet) {
+            assert_eq!(bits(&read), bits(&table), "byte {at}");
+        }
+    }
+}
+
+#[test]
 fn nothing_comes_back_as_nothing() {
     let empty = run(0);
     for format in FORMATS {
