@@ -200,7 +200,7 @@ fn a_path_from_a_file_is_followed() {
 fn as_before(log: &str) -> String {
     let cut = |line: &str, from: &str| line.split_once(from).unwrap().0.to_owned() + "\n";
     let mut lines = log.lines();
-    let names = cut(lines.next().unwrap(), ",about");
+    let names = cut(lines.next().unwrap(), ",about").replace(",lane_row,", ",h_lane,");
     let first = lines.next().unwrap();
     let about = first.split_once(",\"{").unwrap().1.replace("\"\"", "\"");
     let about: Value = serde_json::from_str(&format!("{{{}", about.trim_end_matches('"'))).unwrap();

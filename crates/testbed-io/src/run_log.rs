@@ -74,6 +74,11 @@ const SEEN: [(&str, Read); 4] = [
     }),
 ];
 
+/// The least lane barrier of a decision as it stands in its row: with exponential rows in m/s, or else in the barrier's own units.
+const LANE_ROW: &str = "lane_row";
+/// Its name in logs of before, in which it could be taken for the barrier of the true place.
+const LANE_ROW_BEFORE: &str = "h_lane";
+
 /// What was decided, and from what.
 pub(crate) const DECIDED: [(&str, Read); 26] = [
     ("x_m", |t| t.decision.state.map_or(f64::NAN, |s| s.x_m)),
@@ -91,7 +96,7 @@ pub(crate) const DECIDED: [(&str, Read); 26] = [
     ("v2", |t| t.lyapunov(1)),
     ("v3", |t| t.lyapunov(2)),
     ("h_headway_m", |t| t.headway_m()),
-    ("h_lane", |t| t.lane()),
+    (LANE_ROW, |t| t.lane()),
     ("deviation_m", |t| t.deviation_m()),
     ("force_n", |t| t.decision.input.force_n),
     ("torque_nm", |t| t.decision.input.torque_nm),
@@ -244,7 +249,7 @@ impl RunLog {
             .collect::<Result<_, _>>()?;
         let decided: Vec<&[f64]> = DECIDED
             .iter()
-            .map(|(name, _)| floats(table, name))
+            .map(|(name, _)| decided(table, name))
             .collect::<Result<_, _>>()?;
         let index = |value: i64, what: &str| {
             usize::try_from(value).map_err(|_| Error::Meta(format!("{what} {value} is negative")))
@@ -279,6 +284,13 @@ fn floats<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [f64], Erro
             kind: "numbers",
         }),
     }
+}
+
+fn decided<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [f64], Error> {
+    floats(table, name).or_else(|error| match name {
+        LANE_ROW => floats(table, LANE_ROW_BEFORE).map_err(|_| error),
+        _ => Err(error),
+    })
 }
 
 fn integers<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [i64], Error> {
