@@ -28,9 +28,9 @@ pub(crate) struct RobotNow {
     pub(crate) heading_rad: f64,
     pub(crate) speed_mps: f64,
     pub(crate) turn_rate_rad_s: f64,
-    /// None without a robot ahead.
+    /// By the newest measured place, as the two that follow; none without a robot ahead.
     pub(crate) h_headway_m: Option<f64>,
-    /// What is left of the lane beside the newest measured place, none before the first.
+    /// What is left of the lane beside it; none before the first.
     pub(crate) lane_clearance_m: Option<f64>,
     pub(crate) deviation_m: Option<f64>,
     /// How its step ended: `optimal`, `relaxed…`, or `braking…` with the reason.

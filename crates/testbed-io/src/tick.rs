@@ -91,25 +91,11 @@ impl Tick {
         self.known_state().map(|state| (state.x_m, state.y_m))
     }
 
-    /// Headway barrier of the true state where it is known, or of the one that was decided for, in m.
-    #[must_use]
-    pub fn known_headway_m(&self) -> f64 {
-        let truth = self.truth.and_then(|truth| truth.safety.headway_m);
-        truth.unwrap_or_else(|| self.headway_m())
-    }
-
     /// What is left of the lane beside the true or measured place, in m; none where that is not known.
     #[must_use]
     pub fn lane_clearance_m(&self, half_width_m: f64) -> Option<f64> {
         let safety = self.truth?.safety;
         Some(half_width_m - safety.deviation_m.abs())
-    }
-
-    /// Deviation from the path, likewise, in m.
-    #[must_use]
-    pub fn known_deviation_m(&self) -> f64 {
-        self.truth
-            .map_or_else(|| self.deviation_m(), |truth| truth.safety.deviation_m)
     }
 
     /// x, y and heading of the point of interest.
