@@ -1,7 +1,7 @@
 //! The controllers of all robots of a scenario, run in step by one computer.
 
 use unicycle_cbf::{
-    Ahead, Brake, Decision, Pilot, RowKind, Scenario, Sighting, Speeds, StampedPose, State,
+    Ahead, Brake, Decision, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
     Surroundings,
 };
 
@@ -19,7 +19,7 @@ pub struct Convoy<'a> {
     scenario: &'a Scenario,
     pilots: Vec<Pilot>,
     /// All robots as they were before anybody's decision at a time
-    sight: Vec<Option<Sighted>>,
+    sight: Vec<Option<Place>>,
     sight_at_s: f64,
     /// Along the path, and from there to the next robot ahead, in m
     along_m: Vec<f64>,
@@ -35,22 +35,8 @@ struct Hold {
     since_s: f64,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Sighted {
-    sighting: Sighting,
-    /// Along the path, where that matters
-    s_m: f64,
-}
-
-impl Sighted {
-    fn state(&self) -> &State {
-        &self.sighting.leader.state
-    }
-
-    fn square_m2(&self, other: &Self) -> f64 {
-        let (own, other) = (self.state(), other.state());
-        (own.x_m - other.x_m).powi(2) + (own.y_m - other.y_m).powi(2)
-    }
+fn square_m2(own: &State, other: &State) -> f64 {
+    (own.x_m - other.x_m).powi(2) + (own.y_m - other.y_m).powi(2)
 }
 
 impl<'a> Convoy<'a> {
@@ -97,8 +83,11 @@ impl<'a> Convoy<'a> {
         let objectives = self.scenario.objectives(robot, now_s);
         let pilot = &self.pilots[robot];
         if !controller.settings().hardening.regards_every_robot() {
-            let ahead = self.named_ahead(robot);
-            return pilot.decide(controller, now_s, ahead, &objectives);
+            let around = Surroundings {
+                own: self.sight[robot],
+                ..self.named_ahead(robot).into()
+            };
+            return pilot.decide_among(controller, now_s, around, &objectives);
         }
         let leader = self.leader(robot);
         let ahead = leader.map_or_else(
@@ -107,10 +96,12 @@ impl<'a> Convoy<'a> {
         );
         let nearest = self.nearest(robot, leader);
         let count = nearest.iter().flatten().count();
-        let state = |other: Option<usize>| self.sight[other?].map(|seen| *seen.state());
+        let state =
+            |other: Option<usize>| self.sight[other?].map(|seen| seen.sighting.leader.state);
         let others = nearest.map(|other| state(other).unwrap_or(State::ORIGIN));
         let wait = self.right_of_way.wait(&self.places(), robot);
         let around = Surroundings {
+            own: self.sight[robot],
             ahead,
             others: &others[..count],
             stop_line_m: wait.map(|wait| wait.line_m),
@@ -168,8 +159,8 @@ impl<'a> Convoy<'a> {
         self.pilots[robot].sent(now_s, speeds);
     }
 
-    /// Looks at all robots, once at a time.
-    fn look(&mut self, now_s: f64) {
+    /// Looks at all robots, once at a time. A step does it where nobody did.
+    pub fn look(&mut self, now_s: f64) {
         if self.sight_at_s.to_bits() == now_s.to_bits() {
             return;
         }
@@ -177,13 +168,9 @@ impl<'a> Convoy<'a> {
         let controller = self.scenario.controller();
         let along = controller.settings().hardening.regards_every_robot() && self.robots() > 1;
         for (pilot, sight) in self.pilots.iter().zip(&mut self.sight) {
-            *sight = pilot.sighting(controller, now_s).map(|sighting| Sighted {
+            *sight = pilot.sighting(controller, now_s).map(|sighting| Place {
                 sighting,
-                s_m: if along {
-                    controller.s_m(&sighting.leader.state)
-                } else {
-                    f64::NAN
-                },
+                foot: along.then(|| controller.foot(&sighting.leader.state)),
             });
         }
         if along && !controller.crossings().is_empty() {
@@ -193,7 +180,7 @@ impl<'a> Convoy<'a> {
 
     fn give_way(&mut self, now_s: f64) {
         for robot in 0..self.robots() {
-            self.along_m[robot] = self.sight[robot].map_or(f64::NAN, |seen| seen.s_m);
+            self.along_m[robot] = self.along_m_of(robot).unwrap_or(f64::NAN);
             self.room_m[robot] = self
                 .ahead(robot)
                 .map_or(f64::INFINITY, |(room_m, _)| room_m);
@@ -231,13 +218,17 @@ impl<'a> Convoy<'a> {
         (ahead_m < most_m).then_some(leader)
     }
 
+    /// Where a robot was seen along the path, in m.
+    fn along_m_of(&self, robot: usize) -> Option<f64> {
+        Some(self.sight[robot]?.foot?.s_m)
+    }
+
     /// How far ahead along the path the nearest robot is, in m, and which.
     fn ahead(&self, robot: usize) -> Option<(f64, usize)> {
-        let own = self.sight[robot]?;
+        let own_m = self.along_m_of(robot)?;
         let path = self.scenario.controller().path();
-        let others = self.sight.iter().enumerate();
-        let ahead = others.filter_map(|(other, seen)| {
-            let ahead_m = path.distance_along_m(own.s_m, seen.as_ref()?.s_m);
+        let ahead = (0..self.robots()).filter_map(|other| {
+            let ahead_m = path.distance_along_m(own_m, self.along_m_of(other)?);
             (other != robot && ahead_m > 0.0).then_some((ahead_m, other))
         });
         ahead.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -246,15 +237,16 @@ impl<'a> Convoy<'a> {
     /// The nearest other robots, without the one that is followed, in front those that there are.
     fn nearest(&self, robot: usize, leader: Option<usize>) -> [Option<usize>; MOST_OTHERS] {
         let mut found = [None; MOST_OTHERS];
-        let Some(own) = self.sight[robot] else {
+        let Some(own) = &self.sight[robot] else {
             return found;
         };
+        let own = &own.sighting.leader.state;
         let mut squares_m2 = [f64::INFINITY; MOST_OTHERS];
         for (other, seen) in self.sight.iter().enumerate() {
             let Some(seen) = seen.filter(|_| other != robot && Some(other) != leader) else {
                 continue;
             };
-            let square_m2 = own.square_m2(&seen);
+            let square_m2 = square_m2(own, &seen.sighting.leader.state);
             let place = squares_m2.iter().position(|known| square_m2 < *known);
             if let Some(place) = place {
                 squares_m2[place..].rotate_right(1);

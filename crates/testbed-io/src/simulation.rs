@@ -47,8 +47,11 @@ impl Simulation<'_> {
                     convoy.observe(index, seen);
                 }
             }
+            let start = Instant::now();
+            convoy.look(now_s);
+            let share_us = start.elapsed().as_secs_f64() * 1e6 / robots.len() as f64;
             for (index, robot) in robots.iter_mut().enumerate().rev() {
-                robot.decide(&mut convoy, index, now_s);
+                robot.decide(&mut convoy, index, now_s, share_us);
             }
             advance(&mut robots, self.scenario, now_s, &mut summary);
             for (index, robot) in robots.iter().enumerate().rev() {
@@ -107,10 +110,11 @@ impl Robot {
         self.seen = self.link.newest(now_s);
     }
 
-    fn decide(&mut self, convoy: &mut Convoy, index: usize, now_s: f64) {
+    /// Each bears its share of the time for looking around.
+    fn decide(&mut self, convoy: &mut Convoy, index: usize, now_s: f64, share_us: f64) {
         let start = Instant::now();
         let decision = convoy.step(index, now_s);
-        self.step_us = start.elapsed().as_secs_f64() * 1e6;
+        self.step_us = share_us + start.elapsed().as_secs_f64() * 1e6;
         self.target = self.plant.command(decision.wheels);
         self.decision = Some(decision);
     }
@@ -134,17 +138,19 @@ fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut 
     let controller = scenario.controller();
     let parts = SUBSTEPS.max((controller.hold_s() / LONGEST_PART_S).ceil() as usize);
     let part_s = controller.hold_s() / parts as f64;
+    let several = robots.len() > 1;
     let mut places: Vec<Option<State>> = Vec::with_capacity(robots.len());
     for part in 0..=parts {
         places.clear();
-        let mut ahead: Option<State> = None;
+        let mut ahead: Option<(State, f64)> = None;
         for robot in robots.iter_mut() {
             if part > 0 {
                 robot.plant.advance(robot.target, part_s);
             }
             let state = robot.plant.state();
-            let leader = ahead.filter(|ahead| controller.follows(&state, ahead));
-            let safety = controller.safety(&state, leader.as_ref());
+            let s_m = if several { controller.s_m(&state) } else { 0.0 };
+            let leader = ahead.filter(|(_, ahead_m)| controller.follows_along(s_m, *ahead_m));
+            let safety = controller.safety(&state, leader.as_ref().map(|(leader, _)| leader));
             robot.truth = Some(match robot.truth {
                 Some(truth) if part > 0 => Truth {
                     safety: worse(truth.safety, safety),
@@ -152,8 +158,8 @@ fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut 
                 },
                 _ => Truth { state, safety },
             });
-            ahead = Some(state);
-            places.push(ahead);
+            ahead = Some((state, s_m));
+            places.push(Some(state));
         }
         summary.add_places(now_s + part as f64 * part_s, &places);
     }

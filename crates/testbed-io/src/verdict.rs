@@ -36,6 +36,8 @@ pub(crate) struct Judge {
     clearance_m: f64,
     least: Option<LeastDistance>,
     first_near_s: Option<f64>,
+    /// Middles of the axles of the robots that were seen, with their indices
+    axles: Vec<(usize, [f64; 2])>,
 }
 
 impl Judge {
@@ -47,29 +49,36 @@ impl Judge {
             clearance_m: controller.settings().headway.clearance_m,
             least: None,
             first_near_s: None,
+            axles: Vec::new(),
         }
     }
 
     /// States of the points of interest at one time, from the front; none of robots that were not seen.
     pub(crate) fn add(&mut self, time_s: f64, states: &[Option<State>]) {
-        for (second, own) in states.iter().enumerate() {
-            for (first, other) in states[..second].iter().enumerate() {
-                if let (Some(own), Some(other)) = (own, other) {
-                    self.add_pair(time_s, [first, second], other, own);
-                }
+        let mut axles = std::mem::take(&mut self.axles);
+        axles.clear();
+        for (robot, state) in states.iter().enumerate() {
+            axles.extend(state.map(|state| (robot, self.axle(&state))));
+        }
+        for (index, own) in axles.iter().enumerate() {
+            for other in &axles[..index] {
+                self.add_pair(time_s, *other, *own);
             }
         }
+        self.axles = axles;
     }
 
-    fn add_pair(&mut self, at_s: f64, robots: [usize; 2], a: &State, b: &State) {
-        let axle = |state: &State| {
-            let (sin, cos) = state.heading_rad.sin_cos();
-            [
-                state.x_m - self.offset_m * cos,
-                state.y_m - self.offset_m * sin,
-            ]
-        };
-        let ([ax, ay], [bx, by]) = (axle(a), axle(b));
+    fn axle(&self, state: &State) -> [f64; 2] {
+        let (sin, cos) = state.heading_rad.sin_cos();
+        [
+            state.x_m - self.offset_m * cos,
+            state.y_m - self.offset_m * sin,
+        ]
+    }
+
+    fn add_pair(&mut self, at_s: f64, a: (usize, [f64; 2]), b: (usize, [f64; 2])) {
+        let ((first, [ax, ay]), (second, [bx, by])) = (a, b);
+        let robots = [first, second];
         let centres_m = (bx - ax).hypot(by - ay);
         let gap_m = centres_m - self.bodies_m;
         if self.least.is_none_or(|least| centres_m < least.centres_m) {

@@ -78,6 +78,8 @@ pub struct Around<'a> {
     pub others: &'a [State],
     /// How far it may go along the path, in m, where it gives way
     pub stop_line_m: Option<f64>,
+    /// The foot of the robot itself on the path, where it is known already; see [`Controller::foot`]
+    pub foot: Option<PathPoint>,
 }
 
 /// The barriers at a state.
@@ -195,6 +197,20 @@ impl Controller {
         2.0 * (braking_m + self.standing_margin_m()) + BESIDE_M
     }
 
+    /// From how near on another robot has a row, in m between points of interest: from farther away nobody who goes as fast as wheels
+    /// may has to brake yet.
+    fn reach_m(&self) -> f64 {
+        let speed_mps = self.limits.wheel_speed_mps;
+        let closing_s = self.body_time_s() + 2.0 / self.settings.headway.rate_1ps;
+        self.room_m() + 2.0 * self.body.offset_m + closing_s * speed_mps
+    }
+
+    /// Whether a robot is near enough to have a row.
+    pub(crate) fn reaches(&self, state: &State, other: &State) -> bool {
+        let (dx, dy) = (other.x_m - state.x_m, other.y_m - state.y_m);
+        dx * dx + dy * dy <= self.reach_m().powi(2)
+    }
+
     /// What a robot needs behind the next one to stand there, in m along the path.
     #[must_use]
     pub fn room_m(&self) -> f64 {
@@ -202,7 +218,8 @@ impl Controller {
     }
 
     /// The foot of the point of interest on the path; where branches meet, on the one that goes where the robot heads.
-    pub(crate) fn foot(&self, state: &State) -> PathPoint {
+    #[must_use]
+    pub fn foot(&self, state: &State) -> PathPoint {
         let foot = self.path.nearest(state.x_m, state.y_m);
         let (sin, cos) = state.heading_rad.sin_cos();
         let along = |point: &PathPoint| cos * point.tangent[0] + sin * point.tangent[1];
@@ -263,12 +280,15 @@ impl Controller {
     /// Whether a robot is behind another and keeps a headway to it: on a loop, where every robot is regarded, by less than half a lap.
     #[must_use]
     pub fn follows(&self, state: &State, ahead: &State) -> bool {
-        let length_m = self.path.length_m();
-        let Some(length_m) = length_m.filter(|_| self.settings.hardening.regards_every_robot())
-        else {
-            return true;
-        };
-        self.path.distance_along_m(self.s_m(state), self.s_m(ahead)) < 0.5 * length_m
+        self.follows_along(self.s_m(state), self.s_m(ahead))
+    }
+
+    /// The same of two places along the path, in m.
+    #[must_use]
+    pub fn follows_along(&self, s_m: f64, ahead_m: f64) -> bool {
+        let every_robot = self.settings.hardening.regards_every_robot();
+        let length_m = self.path.length_m().filter(|_| every_robot);
+        length_m.is_none_or(|length_m| self.path.distance_along_m(s_m, ahead_m) < 0.5 * length_m)
     }
 
     /// What has to stay at or above zero, without margins.

@@ -88,7 +88,7 @@ pub use lateral::{Course, Deviation, Lateral, Progress};
 pub use library::Testbed;
 pub use lie::Lie;
 pub use limits::Limits;
-pub use pilot::{Ahead, Pilot, Sighting, Surroundings};
+pub use pilot::{Ahead, Pilot, Place, Sighting, Surroundings};
 pub use pose::{Pose, Speeds, State};
 pub use predictor::{Predictor, StampedPose};
 pub use rows::{RowKind, Rows};

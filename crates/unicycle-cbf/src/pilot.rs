@@ -2,6 +2,7 @@
 
 use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::{Brake, Decision, Outcome};
+use crate::path::PathPoint;
 use crate::pose::{Pose, Speeds, State};
 use crate::predictor::{Predictor, StampedPose};
 
@@ -32,9 +33,20 @@ pub enum Ahead {
     Seen(Sighting),
 }
 
+/// Where a robot is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// As its pilot sees it
+    pub sighting: Sighting,
+    /// Its foot on the path, where somebody looked for it
+    pub foot: Option<PathPoint>,
+}
+
 /// What is around a robot at one time, all others as they were before their own steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surroundings<'a> {
+    /// Itself where that is known already
+    pub own: Option<Place>,
     /// Whom it follows
     pub ahead: Ahead,
     /// The others, the nearest first
@@ -46,6 +58,7 @@ pub struct Surroundings<'a> {
 impl From<Ahead> for Surroundings<'_> {
     fn from(ahead: Ahead) -> Self {
         Self {
+            own: None,
             ahead,
             others: &[],
             stop_line_m: None,
@@ -140,10 +153,11 @@ impl Pilot {
         around: Surroundings,
         objectives: &Objectives,
     ) -> Decision {
-        let Some((pose, age_s)) = self.current(controller, now_s) else {
+        let own = around.own.map(|own| own.sighting);
+        let Some(own) = own.or_else(|| self.sighting(controller, now_s)) else {
             return Decision::braking(Brake::NoPose, None, None);
         };
-        let state = pose.state(controller.body().offset_m, self.speeds);
+        let (state, age_s) = (own.leader.state, own.age_s);
         let max_age_s = controller.settings().hardening.max_pose_age_s;
         let too_old = |age_s: f64| max_age_s.is_some_and(|most| age_s > most);
         if objectives.stop {
@@ -165,13 +179,9 @@ impl Pilot {
             leader,
             others: around.others,
             stop_line_m: around.stop_line_m,
+            foot: around.own.and_then(|own| own.foot),
         };
         controller.decide_among(&state, around, objectives, age_s)
-    }
-
-    fn current(&self, controller: &Controller, now_s: f64) -> Option<(Pose, f64)> {
-        let last = self.predictor.last_seen()?;
-        Some((self.pose(controller, now_s)?, now_s - last.stamp_s))
     }
 
     fn pose(&self, controller: &Controller, now_s: f64) -> Option<Pose> {

@@ -35,7 +35,10 @@ impl Controller {
         let leader = around.leader;
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
-        let frenet = self.needs_frenet().then(|| self.frenet(state));
+        let frenet = self
+            .needs_frenet()
+            .then(|| around.foot.unwrap_or_else(|| self.foot(state)))
+            .map(|foot| Frenet::new(foot, self.body(), state));
         let tracked = match (self.path(), &frenet) {
             (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
             (_, Some(frenet)) => frenet.lateral(),
@@ -56,7 +59,13 @@ impl Controller {
             .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
         if settings.hardening.regards_every_robot() {
             let leader = leader.map(|leader| leader.state);
-            for other in leader.iter().chain(around.others).take(MOST_BODIES) {
+            let near = |other: &&State| self.reaches(state, other);
+            for other in leader
+                .iter()
+                .chain(around.others)
+                .take(MOST_BODIES)
+                .filter(near)
+            {
                 self.body_row(&mut rows, state, frenet.as_ref(), other, &moment);
             }
         }
