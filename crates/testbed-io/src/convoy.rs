@@ -107,20 +107,24 @@ impl<'a> Convoy<'a> {
             stop_line_m: wait.map(|wait| wait.line_m),
         };
         let decision = pilot.decide_among(controller, now_s, around, &objectives);
-        let bodies = leader.into_iter().chain(nearest.into_iter().flatten());
-        let by = if decision.is_held_by(RowKind::GiveWay) {
-            wait.map(|wait| wait.robot)
-        } else if decision.is_held_by(RowKind::Headway)
-            || decision.is_held_by(RowKind::HeadwayStopped)
-        {
-            leader
-        } else {
-            decision
-                .held_by_body()
-                .and_then(|body| bodies.clone().nth(body))
-        };
         let stands = decision.speeds.speed_mps.abs() < STANDING_MPS;
-        let hold = by.filter(|by| stands && *by != robot);
+        let holder = || {
+            if decision.is_held_by(RowKind::GiveWay) {
+                return wait.map(|wait| wait.robot);
+            }
+            let by_headway = [RowKind::Headway, RowKind::HeadwayStopped];
+            if by_headway.into_iter().any(|kind| decision.is_held_by(kind)) {
+                return leader;
+            }
+            let bodies = leader.into_iter().chain(nearest.into_iter().flatten());
+            let is_in_reach = |other: &usize| {
+                let states = [robot, *other].map(|robot| state(Some(robot)));
+                matches!(states, [Some(own), Some(other)] if controller.reaches(&own, &other))
+            };
+            bodies.filter(is_in_reach).nth(decision.held_by_body()?)
+        };
+        let hold = if stands { holder() } else { None };
+        let hold = hold.filter(|by| *by != robot);
         self.held[robot] = hold.map(|by| {
             let known = self.held[robot].filter(|known| known.by == by);
             known.unwrap_or(Hold { by, since_s: now_s })

@@ -85,6 +85,7 @@ impl Simulation<'_> {
                     step_us: 0.0,
                     target: WheelSpeeds::default(),
                     truth: None,
+                    follows: false,
                 }
             })
             .collect()
@@ -101,6 +102,8 @@ struct Robot {
     step_us: f64,
     target: WheelSpeeds,
     truth: Option<Truth>,
+    /// The one before it in the list, and not that one it
+    follows: bool,
 }
 
 impl Robot {
@@ -138,19 +141,23 @@ fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut 
     let controller = scenario.controller();
     let parts = SUBSTEPS.max((controller.hold_s() / LONGEST_PART_S).ceil() as usize);
     let part_s = controller.hold_s() / parts as f64;
-    let several = robots.len() > 1;
+    let mut ahead_m = f64::NAN;
+    for (index, robot) in robots.iter_mut().enumerate() {
+        let s_m = controller.s_m(&robot.plant.state());
+        robot.follows = index > 0 && controller.follows_along(s_m, ahead_m);
+        ahead_m = s_m;
+    }
     let mut places: Vec<Option<State>> = Vec::with_capacity(robots.len());
     for part in 0..=parts {
         places.clear();
-        let mut ahead: Option<(State, f64)> = None;
+        let mut ahead: Option<State> = None;
         for robot in robots.iter_mut() {
             if part > 0 {
                 robot.plant.advance(robot.target, part_s);
             }
             let state = robot.plant.state();
-            let s_m = if several { controller.s_m(&state) } else { 0.0 };
-            let leader = ahead.filter(|(_, ahead_m)| controller.follows_along(s_m, *ahead_m));
-            let safety = controller.safety(&state, leader.as_ref().map(|(leader, _)| leader));
+            let leader = ahead.filter(|_| robot.follows);
+            let safety = controller.safety(&state, leader.as_ref());
             robot.truth = Some(match robot.truth {
                 Some(truth) if part > 0 => Truth {
                     safety: worse(truth.safety, safety),
@@ -158,8 +165,8 @@ fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut 
                 },
                 _ => Truth { state, safety },
             });
-            ahead = Some((state, s_m));
-            places.push(Some(state));
+            ahead = Some(state);
+            places.push(ahead);
         }
         summary.add_places(now_s + part as f64 * part_s, &places);
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lateral::{Course, Lateral};
 use crate::lie::Lie;
-use crate::pose::State;
+use crate::pose::{Speeds, State};
 use crate::unicycle::{Affine, Body};
 
 /// Which barrier keeps the robot in its lane.
@@ -181,6 +181,33 @@ pub fn headway(
     spaced(body, state, distance_m, opening_mps, time_s, standstill_m)
 }
 
+/// The middle of a robot's axle, and how it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axle {
+    /// In m
+    pub x_m: f64,
+    /// In m
+    pub y_m: f64,
+    /// Unit vector along the heading
+    pub direction: [f64; 2],
+    /// Of the robot
+    pub speeds: Speeds,
+}
+
+impl Axle {
+    /// That of a robot whose point of interest is in this state.
+    #[must_use]
+    pub fn new(body: &Body, state: &State) -> Self {
+        let (sin, cos) = state.heading_rad.sin_cos();
+        Self {
+            x_m: state.x_m - body.offset_m * cos,
+            y_m: state.y_m - body.offset_m * sin,
+            direction: [cos, sin],
+            speeds: state.speeds(),
+        }
+    }
+}
+
 /// `h = D − D_b − T b` of two bodies, with `D` between the middles of their axles and `b = v e·t` the own speed towards the other robot,
 /// `e` the unit vector to it and `t` the own heading:
 ///
@@ -190,23 +217,22 @@ pub fn headway(
 ///
 /// Where both robots keep it, `Ḋ = −(b + b_j) ≥ −2 (D − D_b)/T`: the distance never falls below `D_b`, whatever the headings.
 #[must_use]
-pub fn apart(body: &Body, state: &State, other: &State, time_s: f64, least_m: f64) -> Lie {
-    let (sin, cos) = state.heading_rad.sin_cos();
-    let (other_sin, other_cos) = other.heading_rad.sin_cos();
-    let (a, v) = (body.offset_m, state.speed_mps);
-    let dx = other.x_m - state.x_m - a * (other_cos - cos);
-    let dy = other.y_m - state.y_m - a * (other_sin - sin);
-    let distance_m = dx.hypot(dy).max(f64::MIN_POSITIVE);
+pub fn apart(body: &Body, own: &Axle, other: &Axle, time_s: f64, least_m: f64) -> Lie {
+    let (dx, dy) = (other.x_m - own.x_m, other.y_m - own.y_m);
+    let distance_m = (dx * dx + dy * dy).sqrt().max(f64::MIN_POSITIVE);
     let (ex, ey) = (dx / distance_m, dy / distance_m);
+    let [cos, sin] = own.direction;
+    let (v, turn_rate) = (own.speeds.speed_mps, own.speeds.turn_rate_rad_s);
+    let other_mps = other.speeds.speed_mps;
     let (wx, wy) = (
-        other.speed_mps * other_cos - v * cos,
-        other.speed_mps * other_sin - v * sin,
+        other_mps * other.direction[0] - v * cos,
+        other_mps * other.direction[1] - v * sin,
     );
     let opening_mps = ex * wx + ey * wy;
     let (ahead, beside) = (ex * cos + ey * sin, ey * cos - ex * sin);
     let turning = (cos * wx + sin * wy - opening_mps * ahead) / distance_m;
-    let acceleration = body.acceleration(state.turn_rate_rad_s);
-    let drift = acceleration.drift * ahead + v * (state.turn_rate_rad_s * beside + turning);
+    let acceleration = body.acceleration(turn_rate);
+    let drift = acceleration.drift * ahead + v * (turn_rate * beside + turning);
     Lie {
         value: distance_m - least_m - time_s * v * ahead,
         lf: opening_mps - time_s * drift,

@@ -206,7 +206,8 @@ impl Controller {
     }
 
     /// Whether a robot is near enough to have a row.
-    pub(crate) fn reaches(&self, state: &State, other: &State) -> bool {
+    #[must_use]
+    pub fn reaches(&self, state: &State, other: &State) -> bool {
         let (dx, dy) = (other.x_m - state.x_m, other.y_m - state.y_m);
         dx * dx + dy * dy <= self.reach_m().powi(2)
     }

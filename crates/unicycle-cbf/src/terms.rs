@@ -1,6 +1,6 @@
 //! From a state to the functions and rows of its program.
 
-use crate::cbf::{self, LaneBarrier, LaneBarriers};
+use crate::cbf::{self, Axle, LaneBarrier, LaneBarriers};
 use crate::clf;
 use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::Terms;
@@ -59,6 +59,7 @@ impl Controller {
             .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
         if settings.hardening.regards_every_robot() {
             let leader = leader.map(|leader| leader.state);
+            let axle = Axle::new(self.body(), state);
             let near = |other: &&State| self.reaches(state, other);
             for other in leader
                 .iter()
@@ -66,7 +67,7 @@ impl Controller {
                 .take(MOST_BODIES)
                 .filter(near)
             {
-                self.body_row(&mut rows, state, frenet.as_ref(), other, &moment);
+                self.body_row(&mut rows, [state, other], &axle, frenet.as_ref(), &moment);
             }
         }
         if let (Some(line_m), Some(frenet)) = (around.stop_line_m, &frenet) {
@@ -203,15 +204,16 @@ impl Controller {
     fn body_row(
         &self,
         rows: &mut Rows,
-        state: &State,
+        [state, other]: [&State; 2],
+        axle: &Axle,
         frenet: Option<&Frenet>,
-        other: &State,
         moment: &Moment,
     ) {
         let settings = self.settings();
         let time_s = self.body_time_s();
         let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
-        let apart = |least_m: f64| cbf::apart(self.body(), state, other, time_s, least_m);
+        let other_axle = Axle::new(self.body(), other);
+        let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
         let mut h = apart(self.least_distance_m());
         let goes_back = state.speed_mps < 0.0;
         // Only what is near is worth a search of its place along the path.
