@@ -36,4 +36,7 @@ pub(crate) struct RobotNow {
     /// How its step ended: `optimal`, `relaxed…`, or `braking…` with the reason.
     pub(crate) outcome: String,
     pub(crate) pose_age_s: Option<f64>,
+    /// From where half a second of commands would have led it to where it was measured.
+    pub(crate) innovation_position_m: Option<f64>,
+    pub(crate) innovation_heading_rad: Option<f64>,
 }

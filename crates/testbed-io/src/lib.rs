@@ -58,6 +58,6 @@ pub use run_log::{LoggedTick, Run, RunLog, RunSpec};
 pub use shadow::{scenario_of, shadow};
 pub use simulation::Simulation;
 pub use summary::{Outcomes, Summarising, Summary, outcomes_of};
-pub use tick::{Tick, Truth};
+pub use tick::{Tick, Truth, Watched};
 pub use timing::Timing;
 pub use verdict::{LeastDistance, Verdict};

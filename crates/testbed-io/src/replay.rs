@@ -71,13 +71,18 @@ impl RunLog {
                 }
             }
             for row in rows {
+                let decision = convoy.decide(row.robot, row.time_s);
+                let most_mps = row.allowed_mps.unwrap_or(f64::INFINITY);
+                let decision = decision.limited(most_mps, scenario.controller().body());
+                convoy.sent(row.robot, row.time_s, decision.speeds);
                 let tick = Tick {
                     tick: step,
                     robot: row.robot,
                     time_s: row.time_s,
                     seen: row.seen,
-                    decision: convoy.step(row.robot, row.time_s),
+                    decision,
                     truth: None,
+                    watched: None,
                     step_us: 0.0,
                     late_us: f64::NAN,
                 };

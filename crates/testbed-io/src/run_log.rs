@@ -62,6 +62,11 @@ impl RunSpec {
     }
 }
 
+/// The speed that a live session lets a robot have at most, where it limits it.
+const ALLOWED: (&str, Read) = ("allowed_speed_mps", |t| {
+    t.watched.and_then(|w| w.allowed_mps).unwrap_or(f64::NAN)
+});
+
 type Read = fn(&Tick) -> f64;
 
 /// What arrived; together with the settings it determines every decision.
@@ -118,7 +123,7 @@ pub(crate) const DECIDED: [(&str, Read); 26] = [
 ];
 
 /// What a simulation knows besides, and the time that the decision took.
-const KNOWN: [(&str, Read); 10] = [
+const KNOWN: [(&str, Read); 12] = [
     ("true_x_m", |t| t.true_pose(0)),
     ("true_y_m", |t| t.true_pose(1)),
     ("true_heading_rad", |t| t.true_pose(2)),
@@ -136,6 +141,12 @@ const KNOWN: [(&str, Read); 10] = [
     }),
     ("true_deviation_m", |t| {
         t.truth.map_or(f64::NAN, |t| t.safety.deviation_m)
+    }),
+    ("innovation_position_m", |t| {
+        t.watched.map_or(f64::NAN, |w| w.innovation_position_m)
+    }),
+    ("innovation_heading_rad", |t| {
+        t.watched.map_or(f64::NAN, |w| w.innovation_heading_rad)
     }),
     ("step_us", |t| t.step_us),
     ("late_us", |t| t.late_us),
@@ -192,6 +203,7 @@ impl Columns {
         let outcomes = ticks.iter().map(Tick::outcome_name);
         columns.push(column("outcome", Values::Text(outcomes.collect())));
         columns.extend(SEEN.iter().map(named));
+        columns.push(named(&ALLOWED));
         columns.extend(DECIDED.iter().map(named));
         columns.extend(KNOWN.iter().map(named));
         let clearance = |t: &Tick| t.lane_clearance_m(self.half_width_m).unwrap_or(f64::NAN);
@@ -227,6 +239,8 @@ pub struct LoggedTick {
     pub time_s: f64,
     /// The pose that arrived
     pub seen: Option<StampedPose>,
+    /// What a live session let it drive at most, in m/s
+    pub allowed_mps: Option<f64>,
     /// Outcome as text
     pub outcome: String,
     /// The columns of decisions, in their order
@@ -243,6 +257,11 @@ impl RunLog {
         let robots = integers(table, "robot")?;
         let times_s = floats(table, "time_s")?;
         let outcomes = texts(table, "outcome")?;
+        let (name, _) = ALLOWED;
+        let allowed = table
+            .column(name)
+            .map(|_| floats(table, name))
+            .transpose()?;
         let seen: Vec<&[f64]> = SEEN
             .iter()
             .map(|(name, _)| floats(table, name))
@@ -267,6 +286,9 @@ impl RunLog {
                     robot: index(robots[row], "robot")?,
                     time_s: times_s[row],
                     seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
+                    allowed_mps: allowed
+                        .map(|column| column[row])
+                        .filter(|most| !most.is_nan()),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),
                 })

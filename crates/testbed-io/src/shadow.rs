@@ -104,6 +104,7 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
                     seen: seen[robot],
                     decision,
                     truth: None,
+                    watched: None,
                     step_us: start.elapsed().as_secs_f64() * 1e6,
                     late_us: f64::NAN,
                 }

@@ -130,6 +130,7 @@ impl Robot {
             seen: self.seen,
             decision: self.decision?,
             truth: self.truth,
+            watched: None,
             step_us: self.step_us,
             late_us: f64::NAN,
         })

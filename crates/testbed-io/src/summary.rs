@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use unicycle_cbf::{Outcome, Scenario, State};
+use unicycle_cbf::{Outcome, Safety, Scenario, State};
 
 use crate::tick::Tick;
 use crate::verdict::{Judge, LeastDistance, Verdict};
@@ -70,6 +70,8 @@ pub fn outcomes_of(ticks: &[Tick], robot: usize) -> BTreeMap<String, usize> {
 pub struct Summarising {
     summary: Summary,
     judge: Judge,
+    is_seen: bool,
+    is_doubted: bool,
     half_width_m: f64,
     followers_only: bool,
     final_from_s: f64,
@@ -117,6 +119,8 @@ impl Summarising {
                 first_unsafe_s: None,
             },
             judge: Judge::new(scenario.controller()),
+            is_seen: false,
+            is_doubted: false,
             half_width_m: spec.controller.lane.half_width_m,
             followers_only: spec.robots.len() > 1,
             final_from_s: spec.duration_s - FINAL_S,
@@ -138,22 +142,7 @@ impl Summarising {
             Outcome::Braking { .. } => summary.outcomes.braking += 1,
         }
         let Some(truth) = &tick.truth else { return };
-        summary.verdict = match summary.verdict {
-            Verdict::NotKnown => Verdict::Safe,
-            verdict => verdict,
-        };
-        let safety = &truth.safety;
-        summary.min_h_lane = summary.min_h_lane.min(safety.lane);
-        let lateral_m = safety.deviation_m.abs();
-        summary.max_abs_lateral_m = summary.max_abs_lateral_m.max(lateral_m);
-        if let Some(headway_m) = safety.headway_m {
-            let least = summary.min_h_headway_m.unwrap_or(f64::INFINITY);
-            summary.min_h_headway_m = Some(least.min(headway_m));
-        }
-        let safe = lateral_m <= self.half_width_m && safety.headway_m.is_none_or(|h| h >= 0.0);
-        if !safe && summary.first_unsafe_s.is_none() {
-            summary.first_unsafe_s = Some(tick.time_s);
-        }
+        self.add_measured(tick.time_s, &truth.safety);
         if self.followers_only && tick.robot == 0 {
             return;
         }
@@ -163,9 +152,31 @@ impl Summarising {
         }
     }
 
+    /// Takes in how safe a robot was at one time.
+    pub(crate) fn add_measured(&mut self, time_s: f64, safety: &Safety) {
+        let summary = &mut self.summary;
+        self.is_seen = true;
+        summary.min_h_lane = summary.min_h_lane.min(safety.lane);
+        let lateral_m = safety.deviation_m.abs();
+        summary.max_abs_lateral_m = summary.max_abs_lateral_m.max(lateral_m);
+        if let Some(headway_m) = safety.headway_m {
+            let least = summary.min_h_headway_m.unwrap_or(f64::INFINITY);
+            summary.min_h_headway_m = Some(least.min(headway_m));
+        }
+        let safe = lateral_m <= self.half_width_m && safety.headway_m.is_none_or(|h| h >= 0.0);
+        if !safe && summary.first_unsafe_s.is_none() {
+            summary.first_unsafe_s = Some(time_s);
+        }
+    }
+
     /// Takes in where the points of interest of all robots were at one time, from the front; none of robots that were not seen.
     pub fn add_places(&mut self, time_s: f64, states: &[Option<State>]) {
         self.judge.add(time_s, states);
+    }
+
+    /// Too little was seen to call it safe.
+    pub(crate) fn doubt(&mut self) {
+        self.is_doubted = true;
     }
 
     /// The whole.
@@ -176,9 +187,11 @@ impl Summarising {
         summary.bodies_were_near = self.judge.first_near_s().is_some();
         let unsafe_s = [summary.first_unsafe_s, self.judge.first_near_s()];
         summary.first_unsafe_s = unsafe_s.into_iter().flatten().reduce(f64::min);
-        if summary.first_unsafe_s.is_some() {
-            summary.verdict = Verdict::Unsafe;
-        }
+        summary.verdict = match summary.first_unsafe_s {
+            Some(_) => Verdict::Unsafe,
+            None if self.is_seen && !self.is_doubted => Verdict::Safe,
+            None => Verdict::NotKnown,
+        };
         summary.safe = match summary.verdict {
             Verdict::Safe => Some(true),
             Verdict::Unsafe => Some(false),

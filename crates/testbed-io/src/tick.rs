@@ -17,6 +17,8 @@ pub struct Tick {
     pub decision: Decision,
     /// Where the robot really was and what that means for safety, in simulations
     pub truth: Option<Truth>,
+    /// What a live session held against it
+    pub watched: Option<Watched>,
     /// Time that the decision took, in µs
     pub step_us: f64,
     /// How long after its deadline the step began, in µs; NaN in simulations
@@ -30,6 +32,17 @@ pub struct Truth {
     pub state: State,
     /// The smallest barriers over the period that follows
     pub safety: Safety,
+}
+
+/// Whether a real robot does what it is told; NaN where too little was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Watched {
+    /// From where half a second of commands would have led it to where it was measured, in m
+    pub innovation_position_m: f64,
+    /// The same of its heading, measured less predicted, in rad
+    pub innovation_heading_rad: f64,
+    /// What it may drive at most, in m/s: less of a robot that differs, 0 of one that stands for it or waits for its turn
+    pub allowed_mps: Option<f64>,
 }
 
 /// What figures and columns of the run log are read from; NaN where there is nothing.

@@ -6,7 +6,7 @@ use crate::lie::Lie;
 use crate::pose::{Speeds, State};
 use crate::qp::Solution;
 use crate::rows::{RowKind, Rows};
-use crate::unicycle::{Input, WheelSpeeds};
+use crate::unicycle::{Body, Input, WheelSpeeds};
 
 /// The rung of the ladder on which a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +43,8 @@ pub enum Brake {
     LeaderLost,
     /// Robots stand and wait for each other in a circle
     Deadlock,
+    /// Whoever drives does not let it move
+    Held,
     /// A number that is NaN or infinite
     NotFinite,
     /// The solver reached its iteration limit
@@ -72,6 +74,7 @@ impl Brake {
             Self::StalePose => "stale-pose",
             Self::LeaderLost => "leader-lost",
             Self::Deadlock => "deadlock",
+            Self::Held => "held",
             Self::NotFinite => "not-finite",
             Self::Solver => "solver",
         }
@@ -123,6 +126,28 @@ impl Decision {
             speeds: Speeds::ZERO,
             wheels: WheelSpeeds::default(),
             outcome: Outcome::Braking { reason },
+            ..self
+        }
+    }
+
+    /// The same with at most this speed, in m/s, on the same bend; at zero the robot stands.
+    pub fn limited(self, most_mps: f64, body: &Body) -> Self {
+        let speed_mps = self.speeds.speed_mps.abs();
+        let braking = matches!(self.outcome, Outcome::Braking { .. });
+        if most_mps <= 0.0 && !braking {
+            return self.stopped(Brake::Held);
+        }
+        if braking || speed_mps <= most_mps {
+            return self;
+        }
+        let share = most_mps / speed_mps;
+        let wheels = WheelSpeeds {
+            left_mps: share * self.wheels.left_mps,
+            right_mps: share * self.wheels.right_mps,
+        };
+        Self {
+            speeds: body.speeds_of(wheels),
+            wheels,
             ..self
         }
     }

@@ -317,6 +317,16 @@ pub(crate) fn check(report: &LiveReport) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Where a robot can have left its lane unseen, nobody knows whether it was safe.
+pub(crate) fn check_seen(report: &LiveReport) -> anyhow::Result<()> {
+    if !report.seen_enough {
+        anyhow::bail!(
+            "whether it was safe is not known: a robot was never seen, or unseen for longer than its commands needed to the edge of its lane"
+        );
+    }
+    Ok(())
+}
+
 /// Rows of the table of figures.
 pub(crate) fn rows(report: &LiveReport, row: &mut impl FnMut(&str, String, &str)) {
     let deadlines = &report.deadlines;
@@ -329,6 +339,14 @@ pub(crate) fn rows(report: &LiveReport, row: &mut impl FnMut(&str, String, &str)
     row("poses used", report.received.poses.to_string(), "");
     for (reason, count) in report.received.dropped() {
         row(&format!("dropped: {reason}"), count.to_string(), "");
+    }
+    let unseen = report.unseen_s.iter().zip(&report.longest_unseen_s);
+    for (id, (all_s, longest_s)) in report.robots.iter().zip(unseen) {
+        if *all_s > 0.0 {
+            let (all, longest) = (number(*all_s, 1), number(*longest_s, 1));
+            let value = format!("{all}, at most {longest} at a time");
+            row(&format!("robot {id} unseen"), value, "s");
+        }
     }
     let commands = &report.commands;
     row("commands sent", commands.sent.to_string(), "");

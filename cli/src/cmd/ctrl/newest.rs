@@ -31,6 +31,7 @@ impl NewestPlaces {
                 *newest = Some(truth.safety);
             }
         }
+        let finite = |value: f64| value.is_finite().then_some(value);
         let robot = |tick: &Tick| {
             let state = tick.known_state()?;
             let safety = *self.safety.get(tick.robot)?;
@@ -47,7 +48,9 @@ impl NewestPlaces {
                 lane_clearance_m: safety.map(clearance),
                 deviation_m: safety.map(|safety| safety.deviation_m),
                 outcome: tick.outcome_name(),
-                pose_age_s: pose_age_s.filter(|age_s| age_s.is_finite()),
+                pose_age_s: pose_age_s.and_then(finite),
+                innovation_position_m: tick.watched.and_then(|w| finite(w.innovation_position_m)),
+                innovation_heading_rad: tick.watched.and_then(|w| finite(w.innovation_heading_rad)),
             })
         };
         ticks.iter().rev().filter_map(robot).collect()

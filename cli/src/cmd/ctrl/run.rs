@@ -111,6 +111,9 @@ impl Ended {
     fn outcome(&self) -> anyhow::Result<Outcome> {
         if let Some(live) = &self.live {
             live::check(live)?;
+            if self.summary.verdict == Verdict::NotKnown {
+                live::check_seen(live)?;
+            }
         }
         match self.summary.verdict {
             Verdict::Safe => Ok(Outcome::Done),
@@ -255,6 +258,9 @@ struct Body<'a> {
     disturbed: bool,
     #[serde(flatten)]
     summary: &'a Summary,
+    /// Seconds of each robot from the front without a usable pose
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unseen_s: Option<&'a [f64]>,
     r#loop: Timing,
     #[serde(skip_serializing_if = "Option::is_none")]
     live: Option<&'a LiveReport>,
@@ -277,6 +283,7 @@ impl<'a> Body<'a> {
             rate_hz: scenario.rate_hz,
             disturbed: !named.spec.disturbances.is_none(),
             summary: &ended.summary,
+            unseen_s: ended.live.as_ref().map(|live| live.unseen_s.as_slice()),
             r#loop: ended.timing,
             live: ended.live.as_ref(),
             reproduces: named.figures,

@@ -39,6 +39,8 @@ const CARD_VALUES = [
   { label: 'Headway h', unit: 'mm', digits: 0, isBound: true, of: ({ h_headway_m }) => millimetres(h_headway_m) },
   { label: 'To the edge', unit: 'mm', digits: 1, isBound: true, of: ({ lane_clearance_m }) => millimetres(lane_clearance_m) },
   { label: 'Deviation', unit: 'mm', digits: 1, of: ({ deviation_m }) => millimetres(deviation_m) },
+  { label: 'Measured − told', unit: 'mm', digits: 0, of: ({ innovation_position_m }) => millimetres(innovation_position_m) },
+  { label: 'Heading − told', unit: '°', digits: 0, of: ({ innovation_heading_rad }) => (number(innovation_heading_rad) * 180) / Math.PI },
   { label: 'Pose age', unit: 'ms', digits: 0, of: ({ pose_age_s }) => milliseconds(pose_age_s) },
 ];
 

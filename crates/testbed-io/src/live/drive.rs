@@ -5,11 +5,14 @@ use std::time::{Duration, Instant};
 use unicycle_cbf::{Scenario, Speeds, StampedPose, State};
 
 use super::commands::Command;
-use super::counts::Counts;
 use super::hurry::hurry;
 use super::link::Link;
+use super::lookout::Lookout;
 use super::pacer::Pacer;
 use super::session::{Ending, LiveReport, StopSwitch, Update};
+use super::sight::Sight;
+use super::starts;
+use super::watch::Watch;
 use crate::convoy::Convoy;
 use crate::error::Error;
 use crate::summary::{Summarising, Summary};
@@ -22,8 +25,6 @@ const GETTING_READY: Duration = Duration::from_secs(300);
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
-/// The user is told of a robot without a pose for this long, in s.
-const UNSEEN_S: f64 = 1.0;
 /// Poses of two robots that are farther apart than this in time are not compared, in s.
 const BESIDE_S: f64 = 0.3;
 
@@ -36,10 +37,16 @@ pub(super) struct Drive<'a> {
     seen: Vec<Option<StampedPose>>,
     /// The newest of all, as measured
     measured: Vec<Option<StampedPose>>,
-    /// Of the points of interest, of poses that are fresh
+    /// All since the last step, as [`super::inbox::Inbox::arrived`] gives them
+    arrived: Vec<(usize, StampedPose)>,
+    /// The newest by stamp of those that were judged
+    judged: Vec<Option<StampedPose>>,
+    /// Of the points of interest, of those that are about as old as each other
     places: Vec<Option<State>>,
-    /// Of which the user was told that they are out of sight
-    unseen: Vec<bool>,
+    lookout: Lookout,
+    watch: Watch,
+    /// Time of the last step, in s
+    last_step_s: f64,
     summary: Summarising,
 }
 
@@ -47,15 +54,22 @@ impl<'a> Drive<'a> {
     pub(super) fn new(scenario: &'a Scenario, link: Link) -> Self {
         let robots = scenario.starts().len();
         let period_s = scenario.controller().hold_s();
+        let max_age_s = scenario.controller().settings().hardening.max_pose_age_s;
+        let lookout = Lookout::new(&link.ids, max_age_s.unwrap_or(f64::INFINITY));
+        let watch = Watch::new(scenario, &link.ids, link.is_told());
         Self {
             scenario,
+            watch,
             pacer: Pacer::new(link.inbox.clock(), period_s, link.is_fast()),
             link,
             convoy: Convoy::new(scenario),
             seen: vec![None; robots],
             measured: vec![None; robots],
+            arrived: Vec::new(),
+            judged: vec![None; robots],
             places: Vec::with_capacity(robots),
-            unseen: vec![false; robots],
+            lookout,
+            last_step_s: 0.0,
             summary: Summarising::new(scenario),
         }
     }
@@ -88,13 +102,13 @@ impl<'a> Drive<'a> {
             self.link.is_there(waited.as_secs_f64(), lost_after_s)?;
             let ready_told = self.link.inbox.getting_ready_told();
             if is_too_long(waited, ready_told) || self.link.has_ended() {
-                return Err(not_seen(&missing, &self.link.inbox.counts()));
+                return Err(starts::not_seen(&missing, &self.link.inbox.counts()));
             }
             if !told && start.elapsed() > WAITING {
                 told = true;
                 update(Update::Note(&format!(
                     "waiting for poses of {}",
-                    names(&missing)
+                    starts::names(&missing)
                 )));
             }
             std::thread::sleep(Duration::from_millis(5));
@@ -102,8 +116,9 @@ impl<'a> Drive<'a> {
         if !self.link.is_recording() {
             self.pacer.restart();
         }
-        self.take_poses();
-        self.check_starts()?;
+        self.take_poses(0.0);
+        self.judge_arrived();
+        starts::check(self.scenario, &self.link.ids, &self.measured)?;
         Ok(true)
     }
 
@@ -131,15 +146,17 @@ impl<'a> Drive<'a> {
             }
             self.link
                 .play(time_s + 0.5 * period_s, self.pacer.start_s());
-            self.take_poses();
+            self.take_poses(time_s);
+            self.judge_arrived();
+            self.last_step_s = time_s;
             self.decide(step, time_s, late_s, &mut ticks);
             let commands: Vec<Command> = ticks.iter().map(command).collect();
             self.link.commands.send(&commands);
+            self.remember(time_s, &ticks);
             self.pacer.done();
             for tick in &ticks {
                 self.summary.add(tick);
             }
-            self.judge_distances(time_s);
             let counts = &self.link.inbox.counts();
             let missed = self.pacer.missed();
             let pose_ages_s = &self.pose_ages_s(time_s);
@@ -149,7 +166,10 @@ impl<'a> Drive<'a> {
                 counts,
                 missed,
             });
-            self.tell_unseen(pose_ages_s, update);
+            for note in self.watch.look(step, time_s) {
+                update(Update::Note(&note));
+            }
+            self.tell_unseen(time_s, pose_ages_s, update);
             self.pass_notes(update);
             if ticks.iter().any(|tick| tick.seen.is_some()) {
                 last_pose_s = time_s;
@@ -171,12 +191,25 @@ impl<'a> Drive<'a> {
     ) -> (Summary, LiveReport) {
         let untold = self.link.stop();
         self.pass_notes(update);
+        self.judge_arrived();
+        for robot in 0..self.convoy.robots() {
+            let told_m = |from_s: f64, to_s: f64| self.watch.told_m(robot, from_s, to_s);
+            self.lookout.sight(robot).over(self.last_step_s, told_m);
+        }
+        let sights = self.lookout.sights();
+        if !sights.iter().all(Sight::is_enough) {
+            self.summary.doubt();
+        }
         let report = LiveReport {
             ending,
             untold,
             deadlines: self.pacer.deadlines(),
             received: self.link.inbox.counts(),
             commands: self.link.commands.counts(),
+            robots: self.link.ids.clone(),
+            unseen_s: sights.iter().map(Sight::unseen_s).collect(),
+            longest_unseen_s: sights.iter().map(Sight::longest_s).collect(),
+            seen_enough: sights.iter().all(Sight::is_enough),
         };
         (self.summary.finished(), report)
     }
@@ -187,30 +220,65 @@ impl<'a> Drive<'a> {
         }
     }
 
-    fn tell_unseen(&mut self, pose_ages_s: &[f64], update: &mut impl FnMut(Update)) {
-        for (robot, age_s) in pose_ages_s.iter().enumerate() {
-            let id = self.link.ids[robot];
-            if *age_s > UNSEEN_S && !self.unseen[robot] {
-                self.unseen[robot] = true;
-                update(Update::Note(&format!(
-                    "robot {id} is out of sight: it and those behind it stand; if it was moved by hand, start anew"
-                )));
-            } else if *age_s < BESIDE_S && self.unseen[robot] {
-                self.unseen[robot] = false;
-                update(Update::Note(&format!("robot {id} is seen again")));
-            }
+    fn tell_unseen(&mut self, time_s: f64, ages_s: &[f64], update: &mut impl FnMut(Update)) {
+        let why = |robot: usize| self.link.inbox.why_dropped(robot);
+        for note in self.lookout.notes(time_s, ages_s, why) {
+            update(Update::Note(&note));
         }
     }
 
     /// Stamps become times since the start.
-    fn take_poses(&mut self) {
+    fn take_poses(&mut self, now_s: f64) {
         let arrived = self.link.inbox.newest();
         for (robot, seen) in arrived.into_iter().enumerate() {
             let Some(mut seen) = seen else { continue };
             seen.stamp_s -= self.pacer.start_s();
+            self.lookout.has(robot, &seen, now_s);
             self.seen[robot] = Some(seen);
             self.measured[robot] = Some(seen);
         }
+    }
+
+    /// Every pose that is believed counts, also one that came too late to act on.
+    fn judge_arrived(&mut self) {
+        let mut arrived = std::mem::take(&mut self.arrived);
+        self.link.inbox.arrived(&mut arrived);
+        for (robot, mut seen) in arrived.drain(..) {
+            seen.stamp_s -= self.pacer.start_s();
+            self.judged[robot] = Some(seen);
+            let safety = self.measured_truth(robot, Speeds::ZERO, &self.judged);
+            let Some(Truth { safety, .. }) = safety else {
+                continue;
+            };
+            // Before the start robots may be carried about.
+            if seen.stamp_s >= 0.0 {
+                self.watch.saw(robot, seen, safety.deviation_m);
+                self.summary.add_measured(seen.stamp_s, &safety);
+                self.judge_distances(seen.stamp_s);
+            }
+            let clearance_m = self.half_width_m() - safety.deviation_m.abs();
+            let told_m = |from_s: f64, to_s: f64| self.watch.told_m(robot, from_s, to_s);
+            let sight = self.lookout.sight(robot);
+            sight.saw(seen.stamp_s, clearance_m, told_m);
+        }
+        self.arrived = arrived;
+    }
+
+    /// Of poses that are about as old as each other.
+    fn judge_distances(&mut self, time_s: f64) {
+        let offset_m = self.scenario.controller().body().offset_m;
+        let beside = |seen: &StampedPose| (time_s - seen.stamp_s).abs() <= BESIDE_S;
+        let places = self.judged.iter().map(|seen| {
+            let seen = seen.filter(beside)?;
+            Some(seen.pose.state(offset_m, Speeds::ZERO))
+        });
+        self.places.clear();
+        self.places.extend(places);
+        self.summary.add_places(time_s, &self.places);
+    }
+
+    fn half_width_m(&self) -> f64 {
+        self.scenario.spec().controller.lane.half_width_m
     }
 
     /// From the back, so that each robot sees the one ahead as it was before this step.
@@ -222,22 +290,45 @@ impl<'a> Drive<'a> {
                 self.convoy.observe(robot, *seen);
             }
         }
+        let start = Instant::now();
+        self.convoy.look(time_s);
+        let share_us = start.elapsed().as_secs_f64() * 1e6 / self.convoy.robots() as f64;
         for robot in (0..self.convoy.robots()).rev() {
             let start = Instant::now();
-            let decision = self.convoy.step(robot, time_s);
-            let step_us = start.elapsed().as_secs_f64() * 1e6;
+            let watched = self.watch.watched(robot);
+            let body = self.scenario.controller().body();
+            let decision = self.convoy.decide(robot, time_s);
+            let most_mps = watched.allowed_mps.unwrap_or(f64::INFINITY);
+            let decision = decision.limited(most_mps, body);
+            self.convoy.sent(robot, time_s, decision.speeds);
+            let step_us = share_us + start.elapsed().as_secs_f64() * 1e6;
             ticks.push(Tick {
                 tick: step,
                 robot,
                 time_s,
                 seen: self.seen[robot],
                 decision,
-                truth: self.measured_truth(robot, decision.speeds),
+                truth: self.seen[robot]
+                    .and_then(|_| self.measured_truth(robot, decision.speeds, &self.measured)),
+                watched: Some(watched),
                 step_us,
                 late_us: late_s * 1e6,
             });
         }
         self.seen.fill(None);
+    }
+
+    /// What robots were told, where it is for them.
+    fn remember(&mut self, time_s: f64, ticks: &[Tick]) {
+        if !self.link.is_told() {
+            return;
+        }
+        for tick in ticks {
+            let speeds = tick.decision.speeds;
+            let clock_s = self.pacer.start_s() + time_s;
+            self.link.inbox.told(tick.robot, clock_s, speeds);
+            self.watch.told(tick.robot, time_s, speeds);
+        }
     }
 
     fn pose_ages_s(&self, time_s: f64) -> Vec<f64> {
@@ -248,62 +339,21 @@ impl<'a> Drive<'a> {
             .collect()
     }
 
-    /// The pose that has just arrived counts as the truth, with the speeds that the robot was told.
-    fn measured_truth(&self, robot: usize, speeds: Speeds) -> Option<Truth> {
-        let own = self.seen[robot]?;
+    /// A pose that has just arrived counts as the truth, with the speeds that the robot was told.
+    fn measured_truth(
+        &self,
+        robot: usize,
+        speeds: Speeds,
+        measured: &[Option<StampedPose>],
+    ) -> Option<Truth> {
+        let own = measured[robot]?;
         let offset_m = self.scenario.controller().body().offset_m;
-        let ahead = robot.checked_sub(1).and_then(|ahead| self.measured[ahead]);
+        let ahead = robot.checked_sub(1).and_then(|ahead| measured[ahead]);
         let ahead = ahead.filter(|ahead| own.stamp_s - ahead.stamp_s <= BESIDE_S);
         let ahead = ahead.map(|ahead| ahead.pose.state(offset_m, Speeds::ZERO));
         let state = own.pose.state(offset_m, speeds);
         let safety = self.scenario.controller().safety(&state, ahead.as_ref());
         Some(Truth { state, safety })
-    }
-
-    /// Of poses that are about as old as each other.
-    fn judge_distances(&mut self, time_s: f64) {
-        let offset_m = self.scenario.controller().body().offset_m;
-        let fresh = |seen: &StampedPose| time_s - seen.stamp_s <= BESIDE_S;
-        let places = self.measured.iter().map(|seen| {
-            let seen = seen.filter(fresh)?;
-            Some(seen.pose.state(offset_m, Speeds::ZERO))
-        });
-        self.places.clear();
-        self.places.extend(places);
-        self.summary.add_places(time_s, &self.places);
-    }
-
-    fn check_starts(&self) -> Result<(), Error> {
-        let half_width_m = self.scenario.spec().controller.lane.half_width_m;
-        for robot in 0..self.convoy.robots() {
-            let Some(truth) = self.measured_truth(robot, Speeds::ZERO) else {
-                continue;
-            };
-            let deviation_m = truth.safety.deviation_m;
-            let (problem, help) = if deviation_m.abs() > half_width_m {
-                let problem = format!(
-                    "{:.3} m off the path, and the lane reaches {half_width_m} m to each side",
-                    deviation_m.abs()
-                );
-                (problem, "place it within")
-            } else if truth
-                .safety
-                .headway_m
-                .is_some_and(|headway_m| headway_m < 0.0)
-            {
-                let ahead = self.link.ids[robot - 1];
-                let problem = format!("too near to robot {ahead}");
-                (problem, "place it farther back")
-            } else {
-                continue;
-            };
-            return Err(Error::Link {
-                peer: format!("robot {}", self.link.ids[robot]),
-                problem,
-                help: help.to_owned(),
-            });
-        }
-        Ok(())
     }
 
     /// Before the start nobody was told anything that could be answered.
@@ -334,23 +384,6 @@ fn command(tick: &Tick) -> Command {
 fn is_too_long(waited: Duration, ready_told: Option<Duration>) -> bool {
     let getting_ready = ready_told.is_some_and(|told| told < APPEAR);
     waited > if getting_ready { GETTING_READY } else { APPEAR }
-}
-
-fn not_seen(ids: &[u32], counts: &Counts) -> Error {
-    Error::Link {
-        peer: "tracker".to_owned(),
-        problem: format!(
-            "not seen, or not steadily: {}; {}",
-            names(ids),
-            counts.text()
-        ),
-        help: "are these their ids at the tracker, are they in the arena?".to_owned(),
-    }
-}
-
-fn names(ids: &[u32]) -> String {
-    let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
-    names.join(", ")
 }
 
 #[cfg(test)]

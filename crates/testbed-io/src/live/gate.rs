@@ -1,9 +1,10 @@
 //! Poses that cannot be true do not reach the controllers.
 
 use serde::{Deserialize, Serialize};
-use unicycle_cbf::{Pose, StampedPose};
+use unicycle_cbf::{Pose, Speeds, StampedPose};
 
 use super::counts::Dropped;
+use super::told::Told;
 
 /// The place that robots can be in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,8 @@ pub struct Bounds {
     pub speed_mps: f64,
     /// How fast they turn at most, in rad/s
     pub turn_rate_rad_s: f64,
+    /// Distance between their wheels, in m
+    pub wheel_base_m: f64,
     /// How near two of them can be to each other, in m
     pub spacing_m: f64,
 }
@@ -37,12 +40,21 @@ const TOLERANCE_RAD: f64 = 0.5;
 const STOPPED_AFTER_S: f64 = 2.5;
 /// Poses are compared with one that is older than this besides, in s, so that the tolerance does not add up from pose to pose.
 const APART_S: f64 = 0.5;
+/// What a robot was told before a pose may take effect after it: so late may commands and poses be together, in s.
+const UNDER_WAY_S: f64 = 0.3;
+/// A robot that was not seen for longer may not have heard that it shall stop, in s, and have turned on by this at most, in rad.
+const IN_SIGHT_S: f64 = 0.3;
+const UNHEARD_RAD: f64 = 1.5;
+/// How far each wheel may be off what it is told.
+const WHEEL_ERROR: f64 = 0.1;
 
 /// Remembers where each robot was.
 #[derive(Debug, Clone)]
 pub(super) struct Gate {
     bounds: Bounds,
     tracks: Vec<Track>,
+    /// Nothing where the commands do not go to these robots
+    told: Vec<Told>,
     started: bool,
 }
 
@@ -61,6 +73,7 @@ impl Gate {
         Self {
             bounds,
             tracks: vec![Track::default(); robots],
+            told: vec![Told::new(bounds.wheel_base_m); robots],
             started: false,
         }
     }
@@ -68,6 +81,11 @@ impl Gate {
     /// Poses in a row that agree with each other.
     pub(super) fn agreeing(&self, robot: usize) -> u32 {
         self.tracks[robot].agreeing
+    }
+
+    /// What a robot does from `time_s` on: poses that this does not lead to are not believed.
+    pub(super) fn told(&mut self, robot: usize, time_s: f64, speeds: Speeds) {
+        self.told[robot].sent(time_s, speeds);
     }
 
     /// Until now a robot was taken to be where its newest pose says, so that one wrong pose at the beginning does not count for ever.
@@ -81,7 +99,7 @@ impl Gate {
             return Err(Dropped::Outside);
         }
         let mut track = self.tracks[robot];
-        match track.follows(&seen, &self.bounds) {
+        match track.follows(&seen, &self.bounds, &self.told[robot]) {
             Err(Dropped::Jump) if !self.started => {
                 track = Track {
                     last: track.last,
@@ -101,13 +119,13 @@ impl Gate {
 }
 
 impl Track {
-    fn follows(&self, seen: &StampedPose, bounds: &Bounds) -> Result<(), Dropped> {
+    fn follows(&self, seen: &StampedPose, bounds: &Bounds, told: &Told) -> Result<(), Dropped> {
         let newer = |last: StampedPose| seen.stamp_s - last.stamp_s >= NEWER_S;
         if !self.last.is_none_or(newer) {
             return Err(Dropped::Old);
         }
         let within = |before: Option<StampedPose>, most_s: f64| {
-            before.is_none_or(|before| bounds.reach(&before, seen, most_s))
+            before.is_none_or(|before| bounds.reach(&before, seen, most_s, told))
         };
         // In sight since the earlier pose, it may have moved all the time.
         if within(self.last, STOPPED_AFTER_S) && within(self.earlier[0], f64::INFINITY) {
@@ -135,13 +153,33 @@ impl Arena {
 }
 
 impl Bounds {
-    /// Whether a robot can have come from one pose to the other if it moved for at most some time.
-    fn reach(&self, before: &StampedPose, seen: &StampedPose, most_s: f64) -> bool {
+    /// Whether a robot can have come from one pose to the other if it moved for at most some time. Its heading is as it was told: it can
+    /// turn too fast for anything else to mean much.
+    fn reach(&self, before: &StampedPose, seen: &StampedPose, most_s: f64, told: &Told) -> bool {
         let moving_s = (seen.stamp_s - before.stamp_s).min(most_s);
-        let near_m = TOLERANCE_M + self.speed_mps * moving_s;
-        distance_m(&before.pose, &seen.pose) <= near_m
-            && turned_rad(&before.pose, &seen.pose)
-                <= TOLERANCE_RAD + self.turn_rate_rad_s * moving_s
+        let most_m = self.speed_mps * moving_s;
+        let most_rad = if told.is_empty() {
+            self.turn_rate_rad_s * moving_s
+        } else {
+            self.told_rad(before.stamp_s, seen.stamp_s, told)
+        };
+        distance_m(&before.pose, &seen.pose) <= TOLERANCE_M + most_m
+            && turned_rad(&before.pose, &seen.pose) <= TOLERANCE_RAD + most_rad
+    }
+
+    /// The turn to which commands can have led.
+    fn told_rad(&self, from_s: f64, to_s: f64, told: &Told) -> f64 {
+        let way = told.between(from_s - UNDER_WAY_S, to_s);
+        let [left_m, right_m] = way.wheels_m;
+        let wheels_rad = WHEEL_ERROR * (left_m + right_m) / self.wheel_base_m;
+        let unheard_rad = if to_s - from_s > IN_SIGHT_S {
+            let last = told.between(from_s - UNDER_WAY_S, from_s);
+            let rate_rad_s = last.turned_rad / UNDER_WAY_S;
+            (rate_rad_s * (to_s - from_s).min(STOPPED_AFTER_S)).min(UNHEARD_RAD)
+        } else {
+            0.0
+        };
+        way.turned_rad + wheels_rad + unheard_rad
     }
 
     fn overlap(&self, other: &Track, seen: &StampedPose) -> bool {
@@ -157,9 +195,13 @@ pub(super) fn distance_m(a: &Pose, b: &Pose) -> f64 {
 
 /// Between two headings, the shorter way round.
 pub(super) fn turned_rad(a: &Pose, b: &Pose) -> f64 {
+    wrapped(b.heading_rad - a.heading_rad).abs()
+}
+
+/// An angle between −π and π.
+pub(super) fn wrapped(angle_rad: f64) -> f64 {
     let turn = std::f64::consts::TAU;
-    let turned_rad = ((b.heading_rad - a.heading_rad) % turn).abs();
-    turned_rad.min(turn - turned_rad)
+    angle_rad - turn * (angle_rad / turn).round()
 }
 
 #[cfg(test)]
@@ -174,6 +216,7 @@ mod tests {
         },
         speed_mps: 0.3,
         turn_rate_rad_s: 3.0,
+        wheel_base_m: 0.1,
         spacing_m: 0.1,
     };
 
@@ -240,6 +283,40 @@ mod tests {
             let mut pose = seen(step, 0.0);
             pose.pose.heading_rad = heading_rad;
             gate.pass(0, pose).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_heading_that_turned_by_pi_is_not_believed_however_long_it_lasts() {
+        let mut gate = started();
+        let mut believed = 0;
+        for step in 1..500 {
+            let time_s = 0.02 * f64::from(step);
+            let speeds = if time_s < 0.3 {
+                Speeds {
+                    speed_mps: 0.2,
+                    turn_rate_rad_s: 0.5,
+                }
+            } else {
+                Speeds::ZERO
+            };
+            gate.told(0, time_s, speeds);
+            let mut pose = seen(time_s, 0.2 * time_s.min(0.3));
+            pose.pose.heading_rad = std::f64::consts::PI;
+            believed += u32::from(gate.pass(0, pose).is_ok());
+        }
+        assert_eq!(believed, 0);
+        // Where its commands led it, it is found again.
+        gate.pass(0, seen(10.0, 0.06)).unwrap();
+    }
+
+    #[test]
+    fn a_robot_in_sight_is_believed_to_go_where_it_was_not_told() {
+        let mut gate = started();
+        gate.told(0, 0.0, Speeds::ZERO);
+        for step in 1..100 {
+            let time_s = 0.02 * f64::from(step);
+            gate.pass(0, seen(time_s, 0.2 * time_s)).unwrap();
         }
     }
 }

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use unicycle_cbf::{Pose, StampedPose};
+use unicycle_cbf::{Pose, Speeds, StampedPose};
 
 use super::clock::Clock;
+use super::clock_rate::ClockRate;
 use super::counts::{Counts, Dropped};
 use super::gate::{Bounds, Gate};
 use super::senders::Senders;
@@ -20,6 +21,8 @@ const MOST_NOTES: usize = 32;
 const JUMPS_APART_S: f64 = 5.0;
 /// Of what somebody else says, in a note.
 const MOST_CHARACTERS: usize = 200;
+/// Poses that wait for the loop: of twenty robots at 100 Hz those of half a minute. A loop that hangs for longer has not watched.
+const MOST_ARRIVED: usize = 1 << 16;
 
 /// A pose as a source gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +51,13 @@ struct State {
     /// One for each robot: each may have a clock of its own
     stamps: Vec<StampMap>,
     gate: Gate,
+    /// How fast these clocks run
+    rates: Vec<ClockRate>,
     newest: Vec<Option<StampedPose>>,
+    /// All that are believed, also those that came too late to act on
+    arrived: Vec<(usize, StampedPose)>,
+    /// Why the last pose of each was dropped, if it was
+    dropped: Vec<Option<Dropped>>,
     counts: Counts,
     notes: Vec<String>,
     jump_told_s: f64,
@@ -67,7 +76,10 @@ impl Inbox {
             gate: Gate::new(bounds, ids.len()),
             senders: vec![Senders::new(bounds); ids.len()],
             getting_ready: None,
+            rates: vec![ClockRate::default(); ids.len()],
             newest: vec![None; ids.len()],
+            arrived: Vec::new(),
+            dropped: vec![None; ids.len()],
             counts: Counts::default(),
             notes: Vec::new(),
             jump_told_s: f64::NEG_INFINITY,
@@ -147,6 +159,24 @@ impl Inbox {
         self.lock().newest.iter_mut().map(Option::take).collect()
     }
 
+    /// Gives all poses that are believed and arrived since the last call, by the time at which they were true: more than
+    /// [`Inbox::newest`] gives, and also those that came too late to act on.
+    pub(super) fn arrived(&self, into: &mut Vec<(usize, StampedPose)>) {
+        into.clear();
+        std::mem::swap(into, &mut self.lock().arrived);
+        into.sort_by(|(_, a), (_, b)| a.stamp_s.total_cmp(&b.stamp_s));
+    }
+
+    /// Why the last pose of a robot was dropped, if it was.
+    pub(super) fn why_dropped(&self, robot: usize) -> Option<Dropped> {
+        self.lock().dropped[robot]
+    }
+
+    /// What a robot does from `time_s` on, if the commands go to it.
+    pub(super) fn told(&self, robot: usize, time_s: f64, speeds: Speeds) {
+        self.lock().gate.told(robot, time_s, speeds);
+    }
+
     /// From now on every robot is where its last pose said, if the last `needed` poses of each agree. Gives the ids of those of which
     /// they do not, or that were not seen as often.
     pub(super) fn start_if_steady(&self, needed: u32) -> Vec<u32> {
@@ -207,23 +237,50 @@ impl State {
         if seen.pose.heading_rad.abs() > LARGEST_HEADING_RAD {
             return Err(Dropped::Malformed);
         }
-        let stamp_s = match self.stamps[robot].at(arrival_s, seen.stamp_s) {
-            Stamping::At(stamp_s) => stamp_s,
+        let taken = self.take_from(robot, arrival_s, seen);
+        self.dropped[robot] = taken.err();
+        taken
+    }
+
+    fn take_from(&mut self, robot: usize, arrival_s: f64, seen: Seen) -> Result<(), Dropped> {
+        let (stamp_s, late) = match self.stamps[robot].at(arrival_s, seen.stamp_s) {
+            Stamping::At(stamp_s) => (stamp_s, false),
+            Stamping::Late(stamp_s) => (stamp_s, true),
             Stamping::Jumped(stamp_s) => {
-                self.counts.clock_jumps += 1;
-                if arrival_s >= self.jump_told_s + JUMPS_APART_S {
-                    self.jump_told_s = arrival_s;
-                    self.note("the tracker's clock jumped".to_owned());
-                }
-                stamp_s
+                self.jumped(robot, arrival_s);
+                (stamp_s, false)
             }
             Stamping::Contradicts => return Err(Dropped::Stamp),
-        } - seen.age_s.max(0.0);
-        let pose = seen.pose;
-        let accepted = StampedPose { stamp_s, pose };
+        };
+        if let Some(own_s) = seen.stamp_s {
+            let said = self.rates[robot].saw(arrival_s, own_s);
+            said.into_iter().for_each(|text| {
+                let id = self.ids[robot];
+                self.note(format!("robot {id}: {text}"));
+            });
+        }
+        let accepted = StampedPose {
+            stamp_s: stamp_s - seen.age_s.max(0.0),
+            pose: seen.pose,
+        };
         self.gate.pass(robot, accepted)?;
+        if self.arrived.len() < MOST_ARRIVED {
+            self.arrived.push((robot, accepted));
+        }
+        if late {
+            return Err(Dropped::Stamp);
+        }
         self.newest[robot] = Some(accepted);
         self.counts.poses += 1;
         Ok(())
+    }
+
+    fn jumped(&mut self, robot: usize, arrival_s: f64) {
+        self.counts.clock_jumps += 1;
+        self.rates[robot] = ClockRate::default();
+        if arrival_s >= self.jump_told_s + JUMPS_APART_S {
+            self.jump_told_s = arrival_s;
+            self.note("the tracker's clock jumped".to_owned());
+        }
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct Link {
     fast: bool,
     /// Whether commands go to the program that gives the poses
     to_program: bool,
+    /// Whether commands go to anybody
+    told: bool,
 }
 
 enum Source {
@@ -78,6 +80,7 @@ impl Link {
             source,
             fast: spec.is_fast(),
             to_program: spec.commands == CommandsSpec::Program,
+            told: spec.commands != CommandsSpec::None,
         })
     }
 
@@ -103,6 +106,11 @@ impl Link {
             let all_seen_s = recording.all_seen_s(self.ids.len());
             self.play(all_seen_s, start_s);
         }
+    }
+
+    /// Whether the robots that are seen hear the commands.
+    pub(super) fn is_told(&self) -> bool {
+        self.told && !self.is_recording()
     }
 
     /// Whether time passes without waiting.
@@ -243,6 +251,7 @@ fn bounds(spec: &LinkSpec, scenario: &Scenario) -> Bounds {
         arena: spec.arena.unwrap_or_else(|| around(scenario)),
         speed_mps: FASTER * body.max_wheel_speed_mps,
         turn_rate_rad_s: FASTER * turn_rate_rad_s,
+        wheel_base_m: body.wheel_base_m,
         spacing_m: body.wheel_base_m,
     }
 }

@@ -23,22 +23,32 @@
 //! ```
 
 mod clock;
+mod clock_rate;
 pub mod commands;
 mod counts;
 mod drive;
+mod fit;
 mod gate;
 mod hurry;
 mod inbox;
 pub mod json_lines;
+mod line;
 mod link;
+mod lookout;
+mod moved;
 pub mod natnet;
 mod pacer;
 pub mod poses;
 pub mod robotarium;
+mod roll_call;
 mod senders;
 mod session;
+mod sight;
 mod spec;
 mod stamps;
+mod starts;
+mod told;
+mod watch;
 
 pub use clock::Clock;
 pub use counts::{Counts, Dropped};

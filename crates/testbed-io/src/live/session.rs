@@ -86,6 +86,14 @@ pub struct LiveReport {
     pub received: Counts,
     /// Commands
     pub commands: CommandCounts,
+    /// All robots by their ids, from the front
+    pub robots: Vec<u32>,
+    /// Seconds of each without a usable pose, those over 0.3 s at a time
+    pub unseen_s: Vec<f64>,
+    /// The longest of them at one time, for each robot
+    pub longest_unseen_s: Vec<f64>,
+    /// Whether no robot can have left its lane unseen, by what it was told
+    pub seen_enough: bool,
 }
 
 /// A scenario on a link.
@@ -145,12 +153,16 @@ impl Session<'_> {
                 "it remembers the last {} commands, not those of {age_s} s",
                 Predictor::REMEMBERED
             ),
+            Some(age_s) if age_s < self.link.latency_s() + spec.rate_hz.recip() => format!(
+                "poses are {} s old by `latency_s`, and with `max_pose_age_s` = {age_s} robots would never move",
+                self.link.latency_s()
+            ),
             Some(_) => return Ok(()),
         };
         Err(Error::Link {
             peer: "controller".to_owned(),
             problem,
-            help: "set `max_pose_age_s` under [scenario.controller.hardening], 0.3 for example"
+            help: "set `max_pose_age_s` under [scenario.controller.hardening], 0.3 and the latency of poses for example"
                 .to_owned(),
         })
     }

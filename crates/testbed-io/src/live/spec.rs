@@ -12,6 +12,9 @@ use super::poses::{JsonUdpSpec, Pace, ProgramSpec, RecordingSpec};
 use super::robotarium::RobotariumSpec;
 use crate::Error;
 
+/// Older poses cannot be driven with, in s.
+const LONGEST_LATENCY_S: f64 = 1.0;
+
 /// A testbed as a file describes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -110,6 +113,12 @@ impl LinkSpec {
                 "give 0.5 to 3600 s",
             ));
         }
+        if !(0.0..=LONGEST_LATENCY_S).contains(&self.latency_s()) {
+            return Err(wrong(
+                format!("`latency_s` is {}", self.latency_s()),
+                "give 0 to 1 s",
+            ));
+        }
         let addresses = match &self.commands {
             CommandsSpec::Khepera(spec) => Some(&spec.addresses),
             CommandsSpec::RobotariumUdp(spec) => Some(&spec.addresses),
@@ -139,6 +148,17 @@ impl LinkSpec {
                 "give `poses` and `commands` the same kind",
             )),
             _ => Ok(()),
+        }
+    }
+
+    /// Stated latency of poses, in s.
+    pub(super) fn latency_s(&self) -> f64 {
+        match &self.poses {
+            PosesSpec::Natnet(spec) => spec.latency_s,
+            PosesSpec::Robotarium(spec) => spec.latency_s,
+            PosesSpec::JsonUdp(spec) => spec.latency_s,
+            PosesSpec::Program(spec) => spec.latency_s,
+            PosesSpec::Recording(_) => 0.0,
         }
     }
 

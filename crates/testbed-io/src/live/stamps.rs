@@ -44,6 +44,8 @@ pub(super) enum Stamping {
     At(f64),
     /// The same, after the tracker's clock was found to have jumped
     Jumped(f64),
+    /// This time, too long ago to act on
+    Late(f64),
     /// Nothing
     Contradicts,
 }
@@ -72,7 +74,7 @@ impl StampMap {
         if delay_s > 0.0 && !backwards {
             // Very late, and in order: a queue somewhere, and no other clock.
             self.strange = None;
-            return Stamping::Contradicts;
+            return Stamping::Late(arrival_s - delay_s);
         }
         self.doubt(arrival_s, stamp_s)
     }
@@ -139,7 +141,7 @@ mod tests {
                 let arrival_s = time_s + delay_s(time_s);
                 let age_s = match map.at(arrival_s, Some(stamp_s(time_s))) {
                     Stamping::At(at_s) | Stamping::Jumped(at_s) => Some(arrival_s - at_s),
-                    Stamping::Contradicts => None,
+                    Stamping::Late(_) | Stamping::Contradicts => None,
                 };
                 (time_s, age_s)
             })

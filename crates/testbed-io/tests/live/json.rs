@@ -1,19 +1,18 @@
 //! Robots of any kind: JSON lines over UDP and from a program, a recording, and many robots at once.
 
-use std::net::{IpAddr, UdpSocket};
-use std::time::{Duration, Instant};
+use std::net::UdpSocket;
+use std::time::Instant;
 
-use testbed_io::live::json_lines::{CommandLine, PoseLine};
-use testbed_io::live::poses::{JsonUdpSpec, Pace, ProgramSpec, RecordingSpec};
+use testbed_io::live::poses::{Pace, ProgramSpec, RecordingSpec};
 use testbed_io::live::{
     CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, Session, StopSwitch,
 };
 use testbed_io::log_file::{LogFormat, write};
 use testbed_io::{Disturbances, Run, RunSpec};
-use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Speeds, Testbed};
+use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Testbed};
 
+use super::faulty::{self, Faults};
 use super::testbed::run;
-use super::world::World;
 
 fn scenario(robots: usize, duration_s: f64) -> ScenarioSpec {
     let mut spec = Testbed::Khepera
@@ -38,78 +37,11 @@ fn link(robots: usize, poses: PosesSpec, commands: CommandsSpec) -> LinkSpec {
     }
 }
 
-/// Robots that speak JSON lines over UDP until the session tells nothing for a second.
-fn udp_robots(spec: &ScenarioSpec) -> (LinkSpec, World, std::thread::JoinHandle<World>) {
-    let scenario = Scenario::new(spec.clone()).unwrap();
-    let free = UdpSocket::bind("127.0.0.1:0").unwrap();
-    let listen = free.local_addr().unwrap();
-    drop(free);
-    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-    socket
-        .set_read_timeout(Some(Duration::from_millis(5)))
-        .unwrap();
-    let link = link(
-        scenario.starts().len(),
-        PosesSpec::JsonUdp(JsonUdpSpec {
-            listen,
-            sender: IpAddr::from([127, 0, 0, 1]),
-            latency_s: 0.0,
-        }),
-        CommandsSpec::JsonUdp(JsonCommandsSpec {
-            address: socket.local_addr().unwrap(),
-        }),
-    );
-    let (world, moving) = World::new(&scenario, None);
-    let robots = world.clone();
-    let thread = std::thread::spawn(move || {
-        let _moving = moving;
-        let start = Instant::now();
-        let mut heard = None::<Instant>;
-        let mut send_at = start;
-        let mut buffer = [0; 65_536];
-        while heard.is_none_or(|heard| heard.elapsed() < Duration::from_secs(1)) {
-            assert!(start.elapsed() < Duration::from_secs(120));
-            if Instant::now() >= send_at {
-                send_at += Duration::from_millis(20);
-                let mut text = Vec::new();
-                for (robot, pose) in robots.poses().iter().enumerate() {
-                    let line = PoseLine {
-                        robot: robot as u32 + 1,
-                        x: pose.x_m,
-                        y: pose.y_m,
-                        theta: pose.heading_rad,
-                        t: Some(start.elapsed().as_secs_f64()),
-                    };
-                    serde_json::to_writer(&mut text, &line).unwrap();
-                    text.push(b'\n');
-                }
-                let _ = socket.send_to(&text, listen);
-            }
-            if let Ok((bytes, _)) = socket.recv_from(&mut buffer) {
-                heard = Some(Instant::now());
-                for line in buffer[..bytes].split(|byte| *byte == b'\n') {
-                    if let Some(command) = CommandLine::parse(line) {
-                        robots.tell(
-                            command.robot as usize - 1,
-                            Speeds {
-                                speed_mps: command.v,
-                                turn_rate_rad_s: command.w,
-                            },
-                        );
-                    }
-                }
-            }
-        }
-        robots
-    });
-    (link, world, thread)
-}
-
 #[test]
 fn twenty_robots_at_30_hz() {
     let spec = scenario(20, 20.0);
     let scenario = Scenario::new(spec.clone()).unwrap();
-    let (link, _, robots) = udp_robots(&spec);
+    let (link, _, robots) = faulty::start(&spec, Faults::NONE);
     let (ticks, _, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
     let world = robots.join().unwrap();
     assert_eq!(report.ending, Ending::Finished);
@@ -126,7 +58,7 @@ fn twenty_robots_at_30_hz() {
 fn a_recording_is_played_fast_and_in_real_time() {
     let spec = scenario(2, 6.0);
     let scenario = Scenario::new(spec.clone()).unwrap();
-    let (first, _, robots) = udp_robots(&spec);
+    let (first, _, robots) = faulty::start(&spec, Faults::NONE);
     let (ticks, ..) = run(&scenario, &first, &StopSwitch::default(), |_| {});
     robots.join().unwrap();
     let recorded = ticks.len();

@@ -9,6 +9,8 @@
     unreachable_pub
 )]
 
+mod doubt;
+mod faulty;
 mod gone;
 mod json;
 mod khepera;

@@ -90,10 +90,13 @@ fn a_minute_at_30_hz() {
     for (robot, id) in IDS.into_iter().enumerate() {
         let told = testbed.peer.commands(id);
         let sent = ticks.iter().filter(|tick| tick.robot == robot);
-        let sent: Vec<Speeds> = sent.map(|tick| tick.decision.speeds).collect();
-        // Robots are told to stand until the first step.
-        let told = told.iter().map(|told| told.speeds);
-        let got: Vec<Speeds> = told.skip_while(|speeds| *speeds == Speeds::ZERO).collect();
+        // Robots are told to stand until it is their turn.
+        let moves = |speeds: Vec<Speeds>| -> Vec<Speeds> {
+            let stands = |speeds: &Speeds| *speeds == Speeds::ZERO;
+            speeds.into_iter().skip_while(stands).collect()
+        };
+        let sent = moves(sent.map(|tick| tick.decision.speeds).collect());
+        let got = moves(told.iter().map(|told| told.speeds).collect());
         println!("robot {id}: {} sent, {} got", sent.len(), got.len());
         assert_eq!(got[..sent.len()], sent);
     }

@@ -41,6 +41,9 @@ pub struct NatNetSpec {
     /// Which axis of the server points up
     #[serde(default)]
     pub up: Up,
+    /// How old a pose is when its frame is sent, beyond what the server says of it, in s
+    #[serde(default)]
+    pub latency_s: f64,
 }
 
 /// How a server sends frames.
@@ -82,6 +85,7 @@ impl NatNetSpec {
             group: group(),
             local: any(),
             up: Up::default(),
+            latency_s: 0.0,
         }
     }
 

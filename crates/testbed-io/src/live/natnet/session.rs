@@ -223,7 +223,7 @@ impl Session {
                     id: body.id,
                     pose,
                     stamp_s,
-                    age_s,
+                    age_s: age_s + self.spec.latency_s,
                 };
                 self.inbox.pose(arrival_s, seen);
             } else {

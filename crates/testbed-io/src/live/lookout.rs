@@ -1,0 +1,96 @@
+//! Which robots are out of sight, and why.
+
+use unicycle_cbf::StampedPose;
+
+use super::counts::Dropped;
+use super::sight::Sight;
+
+/// The user is told of a robot without a pose for this long, in s.
+const UNSEEN_S: f64 = 1.0;
+/// A robot is seen again when its poses are not older than this share of what it is driven on.
+const SEEN_AGAIN: f64 = 0.7;
+/// Poses that came within this share of it were too old when they came, and have not failed to come.
+const HEARD: f64 = 0.5;
+
+/// Looks out for all robots.
+#[derive(Debug)]
+pub(super) struct Lookout {
+    ids: Vec<u32>,
+    /// Robots are not driven on older poses, in s
+    most_age_s: f64,
+    sights: Vec<Sight>,
+    /// When a pose came last, however old, in s
+    heard_s: Vec<f64>,
+    /// Of which the user was told that they are out of sight
+    unseen: Vec<bool>,
+}
+
+impl Lookout {
+    pub(super) fn new(ids: &[u32], most_age_s: f64) -> Self {
+        Self {
+            ids: ids.to_vec(),
+            most_age_s,
+            sights: vec![Sight::new(most_age_s); ids.len()],
+            heard_s: vec![f64::NEG_INFINITY; ids.len()],
+            unseen: vec![false; ids.len()],
+        }
+    }
+
+    /// The newest pose of a robot, at `now_s`.
+    pub(super) fn has(&mut self, robot: usize, seen: &StampedPose, now_s: f64) {
+        self.sights[robot].has(seen, now_s);
+        self.heard_s[robot] = now_s;
+    }
+
+    /// One robot, for what follows from all its poses.
+    pub(super) fn sight(&mut self, robot: usize) -> &mut Sight {
+        &mut self.sights[robot]
+    }
+
+    pub(super) fn sights(&self) -> &[Sight] {
+        &self.sights
+    }
+
+    /// A robot whose poses are not believed or come too late is named as soon as it stands for that.
+    pub(super) fn notes(
+        &mut self,
+        now_s: f64,
+        ages_s: &[f64],
+        why_dropped: impl Fn(usize) -> Option<Dropped>,
+    ) -> Vec<String> {
+        let robots = ages_s.iter().enumerate();
+        let notes = robots.filter_map(|(robot, age_s)| {
+            let id = self.ids[robot];
+            let is_heard = now_s - self.heard_s[robot] <= HEARD * self.most_age_s;
+            let why = why_dropped(robot).or(is_heard.then_some(Dropped::Stamp));
+            let after_s = why.map_or(UNSEEN_S, |_| self.most_age_s);
+            let unseen = &mut self.unseen[robot];
+            if *age_s > after_s && !*unseen {
+                *unseen = true;
+                let help = help(why);
+                return Some(format!(
+                    "robot {id} is out of sight: it and those behind it stand; {help}"
+                ));
+            }
+            let again = *unseen && *age_s < SEEN_AGAIN * self.most_age_s;
+            *unseen &= !again;
+            again.then(|| format!("robot {id} is seen again"))
+        });
+        notes.collect()
+    }
+}
+
+/// What to do about a robot out of sight, by why its last pose was dropped.
+fn help(why: Option<Dropped>) -> &'static str {
+    match why {
+        Some(Dropped::Jump) => {
+            "its poses say that it is or heads where its commands cannot have led it; if it was moved by hand, start anew"
+        }
+        Some(Dropped::Stamp) => {
+            "its poses are too old when they come, or the tracker's clock is wrong"
+        }
+        Some(Dropped::Outside) => "its poses are outside the arena",
+        Some(Dropped::Overlapping) => "its poses are where another robot is",
+        _ => "if it was moved by hand, start anew",
+    }
+}

@@ -1,0 +1,166 @@
+//! Whether robots are where they can start.
+
+use unicycle_cbf::{Scenario, Speeds, StampedPose};
+
+use super::counts::Counts;
+use super::gate::wrapped;
+use crate::error::Error;
+
+/// Headings beyond a turn and this are no headings in rad.
+const SLACK_RAD: f64 = 0.3;
+/// How far a heading may be from the path's direction, in rad.
+const MOST_COURSE_RAD: f64 = 1.4;
+
+/// # Errors
+///
+/// The first robot that is not where it can start.
+pub(super) fn check(
+    scenario: &Scenario,
+    ids: &[u32],
+    seen: &[Option<StampedPose>],
+) -> Result<(), Error> {
+    for (robot, own) in seen.iter().enumerate() {
+        let Some(own) = own else { continue };
+        let ahead = robot.checked_sub(1);
+        let leader = ahead.and_then(|ahead| seen[ahead].as_ref().map(|pose| (ids[ahead], pose)));
+        let problem = degrees(own)
+            .or_else(|| lane(scenario, own))
+            .or_else(|| heading(scenario, own))
+            .or_else(|| leader.and_then(|(id, leader)| order(scenario, robot, own, id, leader)))
+            .or_else(|| room(scenario, own, ids, &seen[..robot]));
+        if let Some((problem, help)) = problem {
+            return Err(Error::Link {
+                peer: format!("robot {}", ids[robot]),
+                problem,
+                help: help.to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong, and what to do.
+type Problem = (String, &'static str);
+
+fn degrees(own: &StampedPose) -> Option<Problem> {
+    let heading_rad = own.pose.heading_rad;
+    (heading_rad.abs() > std::f64::consts::TAU + SLACK_RAD).then(|| {
+        let problem = format!("a heading of {heading_rad:.2} rad, more than a turn; degrees?");
+        let help = "give headings in rad, between −π and π or 0 and 2π";
+        (problem, help)
+    })
+}
+
+fn heading(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
+    let path = scenario.controller().path();
+    let foot = path.nearest(own.pose.x_m, own.pose.y_m);
+    let off_rad = wrapped(own.pose.heading_rad - foot.heading_rad());
+    (off_rad.abs() > MOST_COURSE_RAD).then(|| {
+        let problem = format!(
+            "it heads {:.0}° off the path's direction, at most {:.0}° can be started from",
+            off_rad.to_degrees(),
+            MOST_COURSE_RAD.to_degrees()
+        );
+        let help = "turn it, or see whether the tracker's headings are in rad and counter-clockwise from the x axis";
+        (problem, help)
+    })
+}
+
+fn lane(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
+    let controller = scenario.controller();
+    let half_width_m = scenario.spec().controller.lane.half_width_m;
+    let state = own.pose.state(controller.body().offset_m, Speeds::ZERO);
+    let deviation_m = controller.safety(&state, None).deviation_m.abs();
+    (deviation_m > half_width_m).then(|| {
+        let problem = format!(
+            "{deviation_m:.3} m off the path, and the lane reaches {half_width_m} m to each side"
+        );
+        (problem, "place it within")
+    })
+}
+
+/// Every robot has room for its body.
+fn room(
+    scenario: &Scenario,
+    own: &StampedPose,
+    ids: &[u32],
+    others: &[Option<StampedPose>],
+) -> Option<Problem> {
+    let least_m = scenario.controller().least_distance_m();
+    let apart_m =
+        |other: &StampedPose| (other.pose.x_m - own.pose.x_m).hypot(other.pose.y_m - own.pose.y_m);
+    let seen = others
+        .iter()
+        .zip(ids)
+        .filter_map(|(other, id)| Some((id, apart_m(other.as_ref()?))));
+    let (id, apart_m) = seen.into_iter().find(|(_, apart_m)| *apart_m < least_m)?;
+    let problem = format!("{apart_m:.3} m from robot {id}, and {least_m:.3} m are needed");
+    Some((problem, "place them farther apart"))
+}
+
+/// Behind the one ahead along the path, and not too near.
+fn order(
+    scenario: &Scenario,
+    robot: usize,
+    own: &StampedPose,
+    leader_id: u32,
+    leader: &StampedPose,
+) -> Option<Problem> {
+    let controller = scenario.controller();
+    let offset_m = controller.body().offset_m;
+    let [own, leader] = [own, leader].map(|seen| seen.pose.state(offset_m, Speeds::ZERO));
+    let path = controller.path();
+    let ahead_m = path.distance_along_m(controller.s_m(&own), controller.s_m(&leader));
+    let [own_start, leader_start] = [robot, robot - 1].map(|robot| {
+        let start = &scenario.starts()[robot];
+        controller.s_m(&start.state(offset_m, Speeds::ZERO))
+    });
+    let planned_m = path.distance_along_m(own_start, leader_start);
+    let most_m = path.length_m().map_or(f64::INFINITY, |length_m| {
+        0.5 * if planned_m > 0.5 * length_m {
+            length_m + planned_m
+        } else {
+            length_m
+        }
+    });
+    if ahead_m < 0.0 || ahead_m > most_m {
+        let problem = format!(
+            "robot {leader_id} is not ahead of it along the path, {:.2} m ahead as planned, but {:.2} m {}",
+            planned_m,
+            if ahead_m < 0.0 { -ahead_m } else { ahead_m },
+            if ahead_m < 0.0 {
+                "behind"
+            } else {
+                "ahead, almost a lap"
+            }
+        );
+        return Some((
+            problem,
+            "place the robots in the order of `robots`, from the front, or change that order",
+        ));
+    }
+    let headway_m = controller.safety(&own, Some(&leader)).headway_m;
+    headway_m.is_some_and(|headway_m| headway_m < 0.0).then(|| {
+        let problem = format!("too near to robot {leader_id}");
+        (problem, "place it farther back")
+    })
+}
+
+/// Robots that are waited for in vain.
+pub(super) fn not_seen(ids: &[u32], counts: &Counts) -> Error {
+    Error::Link {
+        peer: "tracker".to_owned(),
+        problem: format!(
+            "not seen, or not steadily: {}; {}",
+            names(ids),
+            counts.text()
+        ),
+        help: "are these their ids at the tracker, are they in the arena?".to_owned(),
+    }
+}
+
+/// Robots by their ids.
+pub(super) fn names(ids: &[u32]) -> String {
+    let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
+    names.join(", ")
+}

@@ -1,0 +1,313 @@
+//! Do the robots do what they are told? Those that do not are named, slowed down and stopped.
+
+use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
+
+use super::fit::{Differs, Fit, Stated};
+use super::gate::{distance_m, wrapped};
+use super::moved::{KEPT_S, Trail};
+use super::roll_call::RollCall;
+use super::told::Told;
+use crate::tick::Watched;
+
+/// What settings without guards are held against: noise of poses in m and rad, error of each wheel.
+const NOISE_M: f64 = 3e-3;
+const NOISE_RAD: f64 = 0.0087;
+const WHEEL_ERROR: f64 = 0.1;
+/// Heading and direction of motion may differ by this and the noise, in rad: bodies are put on trackers by hand.
+const COURSE_RAD: f64 = 0.2;
+/// Latency that nobody stated, in s: told to the user from the first on, and not driven with beyond the second.
+const LAG_NOTED_S: f64 = 0.15;
+const LAG_MOST_S: f64 = 0.4;
+/// Poses that are older than this, in s, and than what robots are driven on are not looked at any more.
+const RECENT_S: f64 = 0.5;
+/// Over which times poses are compared with commands, in s.
+const WINDOWS_S: [f64; 2] = [0.8, KEPT_S];
+/// The same for the difference that is shown, in s.
+const SHOWN_S: f64 = 0.5;
+/// How often each robot is looked at, in s, and how often in a row it has to differ.
+const LOOK_S: f64 = 0.1;
+const IN_A_ROW: u32 = 2;
+/// Share of its speed at which a robot that differs goes on, at least so many m/s, and for how long, in s, before it is looked at anew.
+const SLOW: f64 = 0.5;
+const SLOW_MPS: f64 = 0.02;
+const SLOW_S: f64 = 1.2;
+/// A robot that differs, or did once, does not go on beyond this share of its lane.
+const SURE_OF_LANE: f64 = 0.85;
+/// A robot that was told nothing does not move farther than this, in m and rad.
+const STANDING_M: f64 = 0.05;
+const STANDING_RAD: f64 = 0.3;
+
+/// Watches all robots of a session.
+#[derive(Debug)]
+pub(super) struct Watch {
+    ids: Vec<u32>,
+    stated: Stated,
+    half_width_m: f64,
+    /// Older poses are not looked at, in s
+    recent_s: f64,
+    /// Steps between two looks at a robot
+    every: usize,
+    robots: Vec<Own>,
+    roll_call: RollCall,
+    notes: Vec<String>,
+}
+
+#[derive(Debug)]
+struct Own {
+    told: Told,
+    trail: Trail,
+    allowed: Allowed,
+    /// Looks in a row that found it different
+    differing: u32,
+    lag_told: bool,
+    deviation_m: f64,
+    was_inside: bool,
+    shown: Option<[f64; 2]>,
+}
+
+/// How far a robot may do what was decided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Allowed {
+    All,
+    /// At most at a speed in m/s, since a time in s
+    Slow {
+        most_mps: f64,
+        since_s: f64,
+    },
+    /// Nothing, for good
+    Nothing,
+}
+
+impl Watch {
+    /// `is_told` says whether the commands go to these robots.
+    pub(super) fn new(scenario: &Scenario, ids: &[u32], is_told: bool) -> Self {
+        let controller = scenario.controller();
+        let wheel_base_m = controller.body().wheel_base_m;
+        let hardening = &controller.settings().hardening;
+        let noise_rad = hardening.heading_noise_rad.max(NOISE_RAD);
+        let own = || Own {
+            told: Told::new(wheel_base_m),
+            trail: Trail::default(),
+            allowed: Allowed::All,
+            differing: 0,
+            lag_told: false,
+            deviation_m: 0.0,
+            was_inside: false,
+            shown: None,
+        };
+        let noise_m = hardening.position_noise_m.max(NOISE_M);
+        Self {
+            ids: ids.to_vec(),
+            stated: Stated {
+                noise_m,
+                noise_rad,
+                wheel_error: hardening.wheel_error.max(WHEEL_ERROR),
+                wheel_base_m,
+                course_rad: COURSE_RAD + noise_rad,
+                lag_s: LAG_MOST_S,
+            },
+            half_width_m: scenario.spec().controller.lane.half_width_m,
+            recent_s: hardening.max_pose_age_s.unwrap_or(0.0).max(RECENT_S),
+            every: (LOOK_S / controller.hold_s()).round().max(1.0) as usize,
+            robots: ids.iter().map(|_| own()).collect(),
+            roll_call: RollCall::new(ids, noise_m, is_told),
+            notes: Vec::new(),
+        }
+    }
+
+    /// A pose that is believed, in the order of stamps, with the deviation from the path that it means, in m.
+    pub(super) fn saw(&mut self, robot: usize, seen: StampedPose, deviation_m: f64) {
+        let own = &mut self.robots[robot];
+        self.roll_call.saw(robot, &seen);
+        let outside_m = deviation_m.abs() - self.half_width_m;
+        let twice = own.deviation_m.abs() > self.half_width_m;
+        let is_out = outside_m > self.stated.noise_m || (outside_m > 0.0 && twice);
+        own.trail.add(seen);
+        own.deviation_m = deviation_m;
+        if own.was_inside && is_out && own.allowed != Allowed::Nothing {
+            own.allowed = Allowed::Nothing;
+            let id = self.ids[robot];
+            self.notes.push(format!(
+                "robot {id} is measured {:.0} mm outside its lane: it stands for good; put it back and start anew",
+                1e3 * outside_m
+            ));
+        }
+        own.was_inside |= outside_m <= 0.0;
+    }
+
+    /// What a robot does from `time_s` on.
+    pub(super) fn told(&mut self, robot: usize, time_s: f64, speeds: Speeds) {
+        self.robots[robot].told.sent(time_s, speeds);
+    }
+
+    /// The way that a robot was told between two times, forward and backward, in m.
+    pub(super) fn told_m(&self, robot: usize, from_s: f64, to_s: f64) -> f64 {
+        self.robots[robot].told.between(from_s, to_s).path_m
+    }
+
+    /// Looks at some of the robots, at all of them over a tenth of a second; gives what the user should know.
+    pub(super) fn look(&mut self, step: usize, time_s: f64) -> Vec<String> {
+        for robot in 0..self.robots.len() {
+            self.show(robot, time_s);
+            if (step + robot).is_multiple_of(self.every) {
+                self.look_at(robot, time_s);
+            }
+        }
+        let told = |robot: usize| &self.robots[robot].told;
+        self.notes.extend(self.roll_call.look(time_s, told));
+        std::mem::take(&mut self.notes)
+    }
+
+    /// What goes into the run log.
+    pub(super) fn watched(&self, robot: usize) -> Watched {
+        let own = &self.robots[robot];
+        let [position_m, heading_rad] = own.shown.unwrap_or([f64::NAN; 2]);
+        let allowed_mps = match own.allowed {
+            _ if self.roll_call.holds(robot) => Some(0.0),
+            Allowed::All => None,
+            Allowed::Slow { most_mps, .. } => Some(most_mps),
+            Allowed::Nothing => Some(0.0),
+        };
+        Watched {
+            innovation_position_m: position_m,
+            innovation_heading_rad: heading_rad,
+            allowed_mps,
+        }
+    }
+
+    /// Where it is, less where half a second of commands would have led it.
+    fn show(&mut self, robot: usize, time_s: f64) {
+        let own = &mut self.robots[robot];
+        let is_known = own.is_seen(time_s - self.recent_s) && !own.told.is_empty();
+        let mut last = own.trail.last(SHOWN_S).take_while(|_| is_known);
+        own.shown = last.next().zip(own.trail.newest()).map(|(from, to)| {
+            let led: Pose = own.told.carried(&from.seen, to.seen.stamp_s);
+            let turned_rad = wrapped(to.seen.pose.heading_rad - led.heading_rad);
+            [distance_m(&led, &to.seen.pose), turned_rad]
+        });
+    }
+
+    fn look_at(&mut self, robot: usize, time_s: f64) {
+        let own = &mut self.robots[robot];
+        let is_seen = own.is_seen(time_s - self.recent_s);
+        if own.allowed == Allowed::Nothing || own.told.is_empty() || !is_seen {
+            return;
+        }
+        let found = own.found(&self.stated);
+        own.differing = if found.is_some() {
+            own.differing + 1
+        } else {
+            0
+        };
+        let lag_s = own.lag_s(&self.stated);
+        let text = found.filter(|_| own.differing >= IN_A_ROW);
+        let id = self.ids[robot];
+        let near = own.deviation_m.abs() > SURE_OF_LANE * self.half_width_m;
+        if near && matches!(own.allowed, Allowed::Slow { .. }) {
+            own.allowed = Allowed::Nothing;
+            self.notes.push(format!(
+                "robot {id}, which did not move as told, is {:.0} mm from the edge of its lane; it stands for good",
+                1e3 * (self.half_width_m - own.deviation_m.abs())
+            ));
+        } else if let Some(text) = text
+            && let Some(done) = own.believed_less(time_s, near)
+        {
+            self.notes.push(format!("robot {id} {text}; {done}"));
+        } else if let Some(lag_s) = lag_s {
+            own.lag_told = true;
+            self.notes.push(format!(
+                "robot {id} follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
+            ));
+        }
+    }
+}
+
+impl Own {
+    fn is_seen(&self, since_s: f64) -> bool {
+        let newest = self.trail.newest();
+        newest.is_some_and(|newest| newest.seen.stamp_s >= since_s)
+    }
+
+    /// How it moves otherwise than told, in words.
+    fn found(&self, stated: &Stated) -> Option<String> {
+        if let Some(text) = self.moved_untold(stated) {
+            return Some(text);
+        }
+        let mut fits = WINDOWS_S.iter().filter_map(|window_s| {
+            let fit = Fit::new(&self.trail, *window_s, &self.told, *stated)?;
+            fit.differs()
+        });
+        fits.next().map(|differs| differs.text(stated))
+    }
+
+    fn lag_s(&self, stated: &Stated) -> Option<f64> {
+        if self.lag_told {
+            return None;
+        }
+        let fit = Fit::new(&self.trail, KEPT_S, &self.told, *stated)?;
+        let lag_s = fit.lag_s(LAG_NOTED_S)?;
+        (lag_s <= stated.lag_s).then_some(lag_s)
+    }
+
+    fn moved_untold(&self, stated: &Stated) -> Option<String> {
+        let (from, to) = (self.trail.last(KEPT_S).next()?, self.trail.newest()?);
+        let way = self
+            .told
+            .between(from.seen.stamp_s - stated.lag_s, to.seen.stamp_s);
+        let way_m = distance_m(&from.seen.pose, &to.seen.pose);
+        let turned_rad = to.turned_rad - from.turned_rad;
+        let still = way.wheels_m.iter().all(|wheel_m| *wheel_m < stated.noise_m);
+        let moved = way_m > STANDING_M + 6.0 * stated.noise_m
+            || turned_rad.abs() > STANDING_RAD + 6.0 * stated.noise_rad;
+        (still && moved).then(|| {
+            format!(
+                "was told to stand and has moved by {:.0} mm and {:.0}°",
+                1e3 * way_m,
+                turned_rad.to_degrees()
+            )
+        })
+    }
+
+    /// From all to less and to nothing; gives what is done about it, if anything is.
+    fn believed_less(&mut self, time_s: f64, near: bool) -> Option<&'static str> {
+        match self.allowed {
+            Allowed::All if !near => {
+                self.allowed = Allowed::Slow {
+                    most_mps: SLOW_MPS.max(SLOW * self.told.speeds().speed_mps.abs()),
+                    since_s: time_s,
+                };
+                Some("it goes on at half its speed")
+            }
+            Allowed::Slow { since_s, .. } if time_s < since_s + SLOW_S => None,
+            Allowed::All | Allowed::Slow { .. } => {
+                self.allowed = Allowed::Nothing;
+                Some("it stands for good")
+            }
+            Allowed::Nothing => None,
+        }
+    }
+}
+
+impl Differs {
+    fn text(self, stated: &Stated) -> String {
+        let error = 100.0 * stated.wheel_error;
+        match self {
+            Self::Lag(lag_s) => format!(
+                "follows its commands {lag_s:.2} s later than is stated, at most {:.2} s can be driven with: state `latency_s` under [poses]",
+                stated.lag_s
+            ),
+            Self::Course(course_rad) => format!(
+                "does not move where it heads but {:.0}° to the {}: is the body turned on the tracker? up to {:.0}° can be driven with",
+                course_rad.abs().to_degrees(),
+                if course_rad > 0.0 { "left" } else { "right" },
+                stated.course_rad.to_degrees()
+            ),
+            Self::Wheels(gains) => {
+                let [left, right] = gains.map(|gain| 100.0 * gain);
+                format!(
+                    "does not do what it is told: its left wheel does {left:.0} %, its right one {right:.0} %, and {error:.0} % of error are stated"
+                )
+            }
+        }
+    }
+}

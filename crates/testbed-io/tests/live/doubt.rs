@@ -1,0 +1,191 @@
+//! Robots and trackers that are not as stated: named, slowed down, and stopped before the lane ends.
+
+use testbed_io::live::{LiveReport, Session, StopSwitch, Update};
+use testbed_io::{Error, Summary};
+use unicycle_cbf::{Preset, Scenario, Testbed};
+
+use super::faulty::{self, Faults};
+use super::world::Least;
+
+/// How far beyond the edge of its lane a robot may come, in m.
+const BEYOND_M: f64 = 0.01;
+
+struct Driven {
+    /// With the time of the step before, in s
+    notes: Vec<(f64, String)>,
+    ended: Result<(Summary, LiveReport), Error>,
+    least: Least,
+}
+
+impl Driven {
+    fn new(name: &str, duration_s: f64, faults: Faults) -> Self {
+        let mut spec = Testbed::Khepera.scenario(name, Preset::Hardened).unwrap();
+        spec.duration_s = duration_s;
+        let scenario = Scenario::new(spec.clone()).unwrap();
+        let (link, _, robots) = faulty::start(&spec, faults);
+        let mut notes = Vec::new();
+        let mut now_s = 0.0;
+        let session = Session {
+            scenario: &scenario,
+            link: &link,
+        };
+        let ended = session.run(&StopSwitch::default(), |update| match update {
+            Update::Note(text) => {
+                println!("{now_s:.2} s: {text}");
+                notes.push((now_s, text.to_owned()));
+            }
+            Update::Step { ticks, .. } => now_s = ticks[0].time_s,
+        });
+        let least = robots.join().unwrap().least();
+        println!("{least:?}");
+        Self {
+            notes,
+            ended,
+            least,
+        }
+    }
+
+    /// Whether a robot was named for this, at a time that is given.
+    fn named_at_s(&self, what: &str) -> f64 {
+        let mut notes = self.notes.iter();
+        let found = notes.find(|(_, text)| text.contains(what));
+        found
+            .unwrap_or_else(|| panic!("`{what}` is not in {:?}", self.notes))
+            .0
+    }
+
+    fn stays(&self) {
+        assert!(self.least.lane_clearance_m > -BEYOND_M, "{:?}", self.least);
+        assert!(self.least.headway_m > -BEYOND_M, "{:?}", self.least);
+    }
+
+    fn refused(&self, what: &str) {
+        let error = self.ended.as_ref().unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
+}
+
+#[test]
+fn robots_as_stated_are_not_doubted() {
+    let driven = Driven::new("on-off", 6.0, Faults::NONE);
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    assert!(summary.safe && report.seen_enough);
+    assert_eq!(report.unseen_s, [0.0, 0.0]);
+    let doubts = driven
+        .notes
+        .iter()
+        .filter(|(_, text)| text.starts_with("robot"));
+    assert_eq!(doubts.count(), 0);
+    driven.named_at_s("ids are checked by motion: each robot moved");
+}
+
+#[test]
+fn wheels_that_differ_by_a_fifth_are_named() {
+    let faults = Faults {
+        gains: [1.0, 0.8],
+        ..Faults::NONE
+    };
+    let driven = Driven::new("straight", 6.0, faults);
+    let named = "does not do what it is told: its left wheel does 100 %, its right one 80 %";
+    assert!(driven.named_at_s(named) < 4.0);
+    driven.stays();
+}
+
+#[test]
+fn a_heading_that_is_off_by_twenty_degrees_is_named() {
+    let faults = Faults {
+        yaw_rad: 20_f64.to_radians(),
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 6.0, faults);
+    assert!(driven.named_at_s("does not move where it heads but 20° to the right") < 4.0);
+    driven.stays();
+}
+
+#[test]
+fn a_heading_that_turned_by_pi_is_never_believed() {
+    let faults = Faults {
+        flipped_after_s: 4.0,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 8.0, faults);
+    assert!(driven.named_at_s("where its commands cannot have led it") < 5.0);
+    assert!(
+        driven
+            .notes
+            .iter()
+            .all(|(_, text)| !text.contains("seen again"))
+    );
+    driven.stays();
+}
+
+#[test]
+fn headings_in_degrees_are_refused_at_the_start() {
+    let faults = Faults {
+        degrees: true,
+        ..Faults::NONE
+    };
+    Driven::new("on-off", 3.0, faults).refused("degrees?");
+}
+
+#[test]
+fn robots_in_each_others_place_are_refused_at_the_start() {
+    let faults = Faults {
+        exchanged: [true, true],
+        ..Faults::NONE
+    };
+    Driven::new("straight", 3.0, faults).refused("is not ahead of it along the path");
+}
+
+#[test]
+fn a_robot_that_moves_in_place_of_another_stops_all() {
+    let faults = Faults {
+        exchanged: [false, true],
+        ..Faults::NONE
+    };
+    let driven = Driven::new("straight", 5.0, faults);
+    assert!(driven.named_at_s("robot 1 was told to move and robot 2 did") < 3.0);
+    driven.stays();
+}
+
+#[test]
+fn wheels_that_do_a_third_of_what_is_stated_are_named() {
+    let faults = Faults {
+        most_mps: 0.1,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 10.0, faults);
+    assert!(driven.named_at_s("does not do what it is told") < 6.0);
+    driven.stays();
+}
+
+#[test]
+fn poses_that_are_always_late_are_recognised_by_the_motion() {
+    let faults = Faults {
+        late_s: 0.6,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 7.0, faults);
+    assert!(driven.named_at_s("0.60 s later than is stated") < 4.0);
+    driven.stays();
+}
+
+#[test]
+fn poses_too_late_to_act_on_count_for_the_verdict() {
+    let faults = Faults {
+        held_up_s: [5.0, 9.6],
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 11.0, faults);
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    assert!(!summary.safe && driven.least.lane_clearance_m < 0.0);
+    // It is known from poses that were more than a second late.
+    assert!(summary.first_unsafe_s.is_some_and(|first_s| first_s < 8.5));
+    assert!(
+        report
+            .unseen_s
+            .iter()
+            .all(|unseen_s| (4.4..5.4).contains(unseen_s))
+    );
+    driven.named_at_s("outside its lane: it stands for good");
+}
