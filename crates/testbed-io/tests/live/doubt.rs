@@ -69,7 +69,7 @@ impl Driven {
 fn robots_as_stated_are_not_doubted() {
     let driven = Driven::new("on-off", 6.0, Faults::NONE);
     let (summary, report) = driven.ended.as_ref().unwrap();
-    assert!(summary.safe && report.seen_enough);
+    assert!(summary.safe == Some(true) && report.seen_enough);
     assert_eq!(report.unseen_s, [0.0, 0.0]);
     let doubts = driven
         .notes
@@ -178,7 +178,7 @@ fn poses_too_late_to_act_on_count_for_the_verdict() {
     };
     let driven = Driven::new("on-off", 11.0, faults);
     let (summary, report) = driven.ended.as_ref().unwrap();
-    assert!(!summary.safe && driven.least.lane_clearance_m < 0.0);
+    assert!(summary.safe == Some(false) && driven.least.lane_clearance_m < 0.0);
     // It is known from poses that were more than a second late.
     assert!(summary.first_unsafe_s.is_some_and(|first_s| first_s < 8.5));
     assert!(
