@@ -52,7 +52,7 @@ impl Places<'_> {
     fn has_room(&self, crossing: &Crossing, branch: usize, robot: usize) -> bool {
         let to_exit_m = self.through_m(crossing, branch) - self.past_m(crossing, branch, robot);
         let room_m = self.room_m[robot];
-        !(room_m < to_exit_m + self.controller.room_m())
+        room_m >= to_exit_m + self.controller.room_m()
     }
 }
 

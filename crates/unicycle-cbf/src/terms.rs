@@ -215,19 +215,17 @@ impl Controller {
         let other_axle = Axle::new(self.body(), other);
         let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
         let mut h = apart(self.least_distance_m());
-        let goes_back = state.speed_mps < 0.0;
         // Only what is near is worth a search of its place along the path.
-        if goes_back && h.value < 2.0 * self.body().offset_m + self.room_m() {
-            if let Some(behind) =
-                frenet.and_then(|frenet| self.behind(state, frenet, other, time_s))
-            {
-                let points = apart(self.standstill_m() + self.between_points_m(state, other));
-                h = if behind.value < points.value {
-                    behind
-                } else {
-                    points
-                };
-            }
+        let is_near = h.value < 2.0 * self.body().offset_m + self.room_m();
+        let backwards = frenet.filter(|_| is_near && state.speed_mps < 0.0);
+        let behind = backwards.and_then(|frenet| self.behind(state, frenet, other, time_s));
+        if let Some(behind) = behind {
+            let points = apart(self.standstill_m() + self.between_points_m(state, other));
+            h = if behind.value < points.value {
+                behind
+            } else {
+                points
+            };
         }
         rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
     }

@@ -67,7 +67,7 @@ fn kind(path: &PathSpec) -> &'static str {
 fn random_scenarios_are_refused_with_a_reason_or_safe() {
     let number =
         |name: &str, usual: u64| std::env::var(name).map_or(usual, |text| text.parse().unwrap());
-    let count = number("DRIVEKIT_RANDOM_SCENARIOS", 300);
+    let count = number("DRIVEKIT_RANDOM_SCENARIOS", 1000);
     let first = number("DRIVEKIT_RANDOM_SEED", 1);
     let outcomes: Vec<(u64, Outcome)> = (first..first + count)
         .into_par_iter()
@@ -77,27 +77,22 @@ fn random_scenarios_are_refused_with_a_reason_or_safe() {
     let (mut slowed, mut driven, mut bad) = (0, 0, Vec::new());
     for (seed, outcome) in outcomes {
         match outcome {
-            Outcome::Refused(why) => {
-                *refused
-                    .entry(
-                        why.chars()
-                            .filter(|c| !c.is_ascii_digit())
-                            .take(60)
-                            .collect(),
-                    )
-                    .or_default() += 1
-            }
+            Outcome::Refused(why) => *refused.entry(reason(&why)).or_default() += 1,
             Outcome::Safe { slowed: true } => slowed += 1,
             Outcome::Safe { slowed: false } => driven += 1,
             Outcome::Unsafe(why) => bad.push(format!("seed {seed}: {why}")),
         }
     }
     println!(
-        "seeds {first} to {}: {} refused, {slowed} slowed, {driven} driven, {} unsafe",
+        "seeds {first} to {}: {slowed} slowed, {driven} driven as asked, {} unsafe, refused: {refused:#?}",
         first + count - 1,
-        refused.values().sum::<usize>(),
         bad.len()
     );
-    println!("{refused:#?}");
     assert!(bad.is_empty(), "{}", bad.join("\n"));
+}
+
+/// Its first words, without numbers.
+fn reason(why: &str) -> String {
+    let letters = why.chars().filter(|c| !c.is_ascii_digit());
+    letters.take(60).collect()
 }

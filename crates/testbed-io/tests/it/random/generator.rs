@@ -114,7 +114,7 @@ fn body(draw: &mut Draw) -> Body {
                 inertia_kgm2: mass_kg * wheel_base_m.powi(2) * draw.between(0.1, 0.4),
                 centripetal: draw.one_of(&[Centripetal::Printed, Centripetal::Newton]),
                 wheel_base_m,
-                radius_m: draw.chance(0.5).then(|| 0.5 * wheel_base_m + 0.02),
+                radius_m: draw.chance(0.5).then_some(0.5 * wheel_base_m + 0.02),
                 max_wheel_speed_mps: draw.between(0.15, 0.8),
                 max_turn_rate_rad_s: draw.between(1.5, 5.0),
                 max_wheel_acceleration_mps2: draw.chance(0.3).then_some(3.0),
