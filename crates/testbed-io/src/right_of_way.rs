@@ -52,7 +52,9 @@ impl Places<'_> {
     fn has_room(&self, crossing: &Crossing, branch: usize, robot: usize) -> bool {
         let to_exit_m = self.through_m(crossing, branch) - self.past_m(crossing, branch, robot);
         let room_m = self.room_m[robot];
-        room_m >= to_exit_m + self.controller.room_m()
+        // Of a robot that was not seen nothing says that it lacks room.
+        let lacks_room = room_m < to_exit_m + self.controller.room_m();
+        !lacks_room
     }
 }
 
