@@ -173,7 +173,7 @@ fn text(body: &Body) -> String {
         mm(demands.driven_standstill_m),
         "mm",
     );
-    let mut text = format!("{}\n\n{}\n", body.scenario, table.render());
+    let mut text = format!("{}\n\n{}", body.scenario, table.render());
     for note in &body.notes {
         text.push_str(&format!("\n- {note}"));
     }
@@ -182,5 +182,5 @@ fn text(body: &Body) -> String {
     } else {
         "fits as asked"
     };
-    format!("{text}\n\n{verdict}")
+    format!("{}\n\n{verdict}\n", text.trim_end())
 }
