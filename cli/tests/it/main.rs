@@ -13,6 +13,7 @@ mod bad_input;
 mod browser;
 mod calibrate;
 mod ctrl;
+mod ctrl_check;
 mod ctrl_links;
 mod ctrl_live;
 mod ctrl_logs;

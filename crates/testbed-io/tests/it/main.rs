@@ -22,4 +22,5 @@ mod recorded;
 mod replay;
 mod robotarium;
 mod runs;
+mod safety;
 mod shadow;
