@@ -308,12 +308,10 @@ fn whom_a_session_waits_for_is_said_and_it_can_be_stopped() {
     let mut command = live(folder.path(), &link);
     let mut child = command.args(["-o", "run.csv"]).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    stderr.read_line(&mut line).unwrap();
-    assert!(
-        line.contains("waiting for poses of robot 1, robot 2"),
-        "{line}"
-    );
+    let waits = |line: &String| line.contains("waiting for poses of robot 1, robot 2");
+    let mut lines = stderr.by_ref().lines().map(Result::unwrap);
+    let said = lines.find(waits);
+    assert!(said.is_some());
     signal(&child, "-INT");
     // Nothing was seen, so that nothing is known.
     assert_eq!(child.wait().unwrap().code(), Some(2));
