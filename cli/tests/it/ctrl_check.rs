@@ -142,10 +142,13 @@ fn a_lane_that_fits_at_no_speed_is_refused() {
     let folder = folder.path();
     narrow(folder, "0.005");
     let words = ["too narrow", "half width of 5.0 mm", "mm off"];
-    check(folder, &[]).refused(&words);
-    check(folder, &["--format", "json"]).refused(&words);
     let run = drivekit_in(folder, &["ctrl", "run", "--scenario", "mine.toml"]);
-    run.refused(&words);
+    let text = [&check(folder, &[]), &check(folder, &["--format", "json"])]
+        .map(|ran| (ran.code, ran.stdout.clone()));
+    for (code, text) in text.into_iter().chain([(run.code, run.stderr)]) {
+        assert_eq!(code, 1, "{text}");
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    }
 }
 
 #[test]

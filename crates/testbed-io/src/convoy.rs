@@ -11,7 +11,7 @@ use crate::right_of_way::{Places, RightOfWay};
 const MOST_OTHERS: usize = 4;
 /// How long robots stand and wait for each other before that is a deadlock, in s, and how slow that is, in m/s.
 const DEADLOCK_S: f64 = 3.0;
-const STANDING_MPS: f64 = 2e-3;
+const STANDING_MPS: f64 = 5e-3;
 
 /// One controller per robot, from the front.
 #[derive(Debug, Clone)]
@@ -107,7 +107,8 @@ impl<'a> Convoy<'a> {
             stop_line_m: wait.map(|wait| wait.line_m),
         };
         let decision = pilot.decide_among(controller, now_s, around, &objectives);
-        let stands = decision.speeds.speed_mps.abs() < STANDING_MPS;
+        let wheels = decision.wheels;
+        let stands = wheels.left_mps.abs().max(wheels.right_mps.abs()) < STANDING_MPS;
         let holder = || {
             if decision.is_held_by(RowKind::GiveWay) {
                 return wait.map(|wait| wait.robot);

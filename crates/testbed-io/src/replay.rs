@@ -5,8 +5,10 @@ use unicycle_cbf::Scenario;
 
 use crate::convoy::Convoy;
 use crate::error::Error;
-use crate::run_log::{DECIDED, RunLog};
+use crate::run_log::{DECIDED, LoggedTick, RunLog};
+use crate::summary::Summarising;
 use crate::tick::Tick;
+use crate::verdict::{LeastDistance, Verdict};
 
 /// What a replay found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,6 +19,12 @@ pub struct Replay {
     pub different: usize,
     /// The first of them
     pub first: Option<Difference>,
+    /// Whether the run was safe, by where the robots were at its steps
+    pub verdict: Verdict,
+    /// When it was not for the first time, in s
+    pub first_unsafe_s: Option<f64>,
+    /// Where two robots were nearest to each other
+    pub least_distance: Option<LeastDistance>,
 }
 
 /// A column in which a decision differs from the log.
@@ -48,7 +56,11 @@ impl RunLog {
             decisions: 0,
             different: 0,
             first: None,
+            verdict: Verdict::NotKnown,
+            first_unsafe_s: None,
+            least_distance: None,
         };
+        let mut summary = Summarising::new(&scenario);
         let mut time_s = 0.0;
         for (step, rows) in self.rows.chunks(robots).enumerate() {
             let order = rows.iter().map(|row| (row.tick, row.robot));
@@ -65,6 +77,7 @@ impl RunLog {
             if rows.len() < robots {
                 break; // A log that ends within a step.
             }
+            judge(&scenario, rows, &mut summary);
             for row in rows {
                 if let Some(seen) = row.seen {
                     convoy.observe(row.robot, seen);
@@ -93,8 +106,26 @@ impl RunLog {
                 }
             }
         }
+        let summary = summary.finished();
+        replay.verdict = summary.verdict;
+        replay.first_unsafe_s = summary.first_unsafe_s;
+        replay.least_distance = summary.least_distance;
         Ok(replay)
     }
+}
+
+/// The rows of one step are from the back.
+fn judge(scenario: &Scenario, rows: &[LoggedTick], summary: &mut Summarising) {
+    let controller = scenario.controller();
+    let places: Vec<_> = rows.iter().rev().map(|row| row.place).collect();
+    let time_s = rows.first().map_or(f64::NAN, |row| row.time_s);
+    for (robot, own) in places.iter().enumerate() {
+        let Some(own) = own else { continue };
+        let ahead = robot.checked_sub(1).and_then(|ahead| places[ahead]);
+        let ahead = ahead.filter(|ahead| controller.follows(own, ahead));
+        summary.add_measured(time_s, &controller.safety(own, ahead.as_ref()));
+    }
+    summary.add_places(time_s, &places);
 }
 
 fn difference(tick: &Tick, outcome: &str, logged: &[f64; DECIDED.len()]) -> Option<Difference> {

@@ -1,7 +1,7 @@
 //! A run as a table of columns: what was seen, what was decided and, in simulations, what was true.
 
 use serde::{Deserialize, Serialize};
-use unicycle_cbf::{Pose, Scenario, ScenarioSpec, StampedPose};
+use unicycle_cbf::{Pose, Scenario, ScenarioSpec, StampedPose, State};
 
 use crate::disturbances::Disturbances;
 use crate::error::Error;
@@ -241,6 +241,8 @@ pub struct LoggedTick {
     pub seen: Option<StampedPose>,
     /// What a live session let it drive at most, in m/s
     pub allowed_mps: Option<f64>,
+    /// Where its point of interest truly was, or was measured
+    pub place: Option<State>,
     /// Outcome as text
     pub outcome: String,
     /// The columns of decisions, in their order
@@ -270,6 +272,7 @@ impl RunLog {
             .iter()
             .map(|(name, _)| decided(table, name))
             .collect::<Result<_, _>>()?;
+        let places = places(table);
         let index = |value: i64, what: &str| {
             usize::try_from(value).map_err(|_| Error::Meta(format!("{what} {value} is negative")))
         };
@@ -289,6 +292,7 @@ impl RunLog {
                     allowed_mps: allowed
                         .map(|column| column[row])
                         .filter(|most| !most.is_nan()),
+                    place: places.as_ref().and_then(|columns| place(columns, row)),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),
                 })
@@ -333,4 +337,27 @@ fn texts<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [String], Er
             kind: "texts",
         }),
     }
+}
+
+/// The columns of true or measured places: x, y, heading and speed.
+fn places(table: &LogTable) -> Option<[&[f64]; 4]> {
+    let column = |name| floats(table, name).ok();
+    Some([
+        column("true_x_m")?,
+        column("true_y_m")?,
+        column("true_heading_rad")?,
+        column("true_speed_mps")?,
+    ])
+}
+
+fn place(columns: &[&[f64]; 4], row: usize) -> Option<State> {
+    let [x_m, y_m, heading_rad, speed_mps] = columns.map(|column| column[row]);
+    let state = State {
+        x_m,
+        y_m,
+        heading_rad,
+        speed_mps,
+        turn_rate_rad_s: 0.0,
+    };
+    state.is_finite().then_some(state)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use unicycle_cbf::{Outcome, Safety, Scenario, State};
+use unicycle_cbf::{Brake, Outcome, RowKind, Safety, Scenario, State};
 
 use crate::tick::Tick;
 use crate::verdict::{Judge, LeastDistance, Verdict};
@@ -53,6 +53,10 @@ pub struct Outcomes {
     pub relaxed: usize,
     /// The robot was told to stand
     pub braking: usize,
+    /// Of all these: it gave way at a crossing
+    pub waiting: usize,
+    /// Of those of braking: robots wait for each other in a circle
+    pub deadlock: usize,
 }
 
 /// Steps of one robot by outcome and, where it brakes, the reason.
@@ -139,8 +143,13 @@ impl Summarising {
                 summary.outcomes.relaxed += 1;
                 summary.max_slack = summary.max_slack.max(by);
             }
-            Outcome::Braking { .. } => summary.outcomes.braking += 1,
+            Outcome::Braking { reason } => {
+                summary.outcomes.braking += 1;
+                summary.outcomes.deadlock += usize::from(reason == Brake::Deadlock);
+            }
         }
+        let waits = tick.decision.is_held_by(RowKind::GiveWay);
+        summary.outcomes.waiting += usize::from(waits);
         let Some(truth) = &tick.truth else { return };
         self.add_measured(tick.time_s, &truth.safety);
         if self.followers_only && tick.robot == 0 {

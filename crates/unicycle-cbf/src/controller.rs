@@ -202,7 +202,8 @@ impl Controller {
     fn reach_m(&self) -> f64 {
         let speed_mps = self.limits.wheel_speed_mps;
         let closing_s = self.body_time_s() + 2.0 / self.settings.headway.rate_1ps;
-        self.room_m() + 2.0 * self.body.offset_m + closing_s * speed_mps
+        let margin_m = self.margin_at_m(speed_mps);
+        self.standstill_m() + margin_m + 2.0 * self.body.offset_m + closing_s * speed_mps
     }
 
     /// Whether a robot is near enough to have a row.
@@ -303,9 +304,27 @@ impl Controller {
         };
         Safety {
             lane,
-            headway_m: leader.map(|leader| self.headway(state, leader, None).value),
+            headway_m: leader.map(|leader| self.headway_m(state, leader)),
             deviation_m,
         }
+    }
+
+    /// `D − D0 − τ v`. Where every robot is regarded a chord across the loop is no headway: to a robot that is more than a quarter of
+    /// a lap ahead the way along the path counts.
+    fn headway_m(&self, state: &State, leader: &State) -> f64 {
+        let chord_m = self.headway(state, leader, None).value;
+        let lap_m = self.path.length_m().filter(|_| chord_m < 0.0);
+        let every_robot = self.settings.hardening.regards_every_robot();
+        let Some(lap_m) = lap_m.filter(|_| every_robot) else {
+            return chord_m;
+        };
+        let along_m = self
+            .path
+            .distance_along_m(self.s_m(state), self.s_m(leader));
+        if along_m < 0.25 * lap_m {
+            return chord_m;
+        }
+        along_m - self.standstill_m() - self.settings.headway.time_s * state.speed_mps
     }
 
     /// What has to lie between the middles of the axles of two robots, in m: both radii and the clearance.
@@ -405,12 +424,23 @@ impl Controller {
         Decision::braking(reason, Some(*state), Some(terms))
     }
 
+    /// Wheels that are faster than they may be slow down as fast as they can, and not at once.
+    fn clip_mps(&self, state: &State) -> f64 {
+        let limit_mps = self.limits.wheel_speed_mps;
+        if !self.settings.hardening.wheel_rows {
+            return limit_mps;
+        }
+        let wheels = self.body.wheel_speeds(state.speeds());
+        let fastest_mps = wheels.left_mps.abs().max(wheels.right_mps.abs());
+        limit_mps.max(fastest_mps - self.body.wheel_acceleration_mps2() * self.hold_s)
+    }
+
     fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
         let [force_n, torque_nm, ..] = terms.solution.z;
         let input = Input { force_n, torque_nm };
         let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
         let driven = Body {
-            max_wheel_speed_mps: self.limits.wheel_speed_mps,
+            max_wheel_speed_mps: self.clip_mps(state),
             ..self.body
         };
         let wheels = driven.clipped(speeds);

@@ -21,6 +21,8 @@ pub struct Demands {
     pub wheel_limit_mps: f64,
     /// The one that is driven with
     pub driven_wheel_limit_mps: f64,
+    /// Up to which wheels change fast enough for the lane; none where nothing asks for it
+    pub agile_wheel_speed_mps: Option<f64>,
     /// The fastest that any robot shall go, forward or back
     pub fastest_desired_mps: f64,
     /// Way to a stand from the driven limit, with the oldest pose that is acted on and a period
@@ -62,6 +64,7 @@ impl Demands {
             tight_bend_m: scenario.tight_bend_m(),
             wheel_limit_mps: spec.body.max_wheel_speed_mps,
             driven_wheel_limit_mps: speed_mps,
+            agile_wheel_speed_mps: Some(limits.agile_mps).filter(|mps| mps.is_finite()),
             fastest_desired_mps: desired.map(|[_, v]| v.abs()).fold(0.0, f64::max),
             stopping_m: blind_s * speed_mps + braking_m,
             standstill_m: set.headway.standstill_m,

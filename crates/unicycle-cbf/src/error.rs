@@ -32,6 +32,12 @@ pub enum Error {
         /// What contradicts what, and what to do
         what: String,
     },
+    /// A scenario that no speed fits
+    #[error("{what}")]
+    DoesNotFit {
+        /// What is needed and what there is, and what to do
+        what: String,
+    },
     /// A path that is none
     #[error("path: {0}")]
     Path(#[from] PathError),

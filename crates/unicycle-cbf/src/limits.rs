@@ -46,6 +46,8 @@ pub struct Limits {
     pub half_width_m: f64,
     /// What would have to be taken off it at the body's wheel speed, in m
     pub margin_at_full_speed_m: f64,
+    /// Up to which speed of the wheels they change fast enough to turn the robot back before the edge, in m/s
+    pub agile_mps: f64,
     /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
     pub lane_rates_1ps: [f64; 2],
 }
@@ -63,7 +65,7 @@ impl Limits {
         let errors = Errors::new(body, settings, hold_s);
         let half_width_m = settings.lane.half_width_m;
         let room_m = MOST_OF_LANE * half_width_m;
-        let full_mps = body.max_wheel_speed_mps;
+        let full_mps = body.max_wheel_speed_mps.min(errors.agile_mps());
         let margin_at_full_speed_m = errors.margin_m(full_mps);
         let at = |wheel_speed_mps| {
             let lane_margin_m = errors.margin_m(wheel_speed_mps);
@@ -72,6 +74,7 @@ impl Limits {
                 lane_margin_m,
                 half_width_m: (half_width_m - lane_margin_m).min(errors.bend_m(path)),
                 margin_at_full_speed_m,
+                agile_mps: errors.agile_mps(),
                 lane_rates_1ps: errors.rates_1ps,
             }
         };
@@ -91,7 +94,7 @@ impl Limits {
 }
 
 fn too_narrow(half_width_m: f64, margin_m: f64, least_mps: f64) -> Error {
-    Error::Contradiction {
+    Error::DoesNotFit {
         what: format!(
             "the lane is too narrow: the errors of poses and wheels that `hardening` states take {:.1} mm off its half width of {:.1} mm even \
              with wheels at {least_mps:.3} m/s, and {:.0} % may go; widen `lane.half_width_m`, or state smaller `position_noise_m`, \
@@ -134,6 +137,17 @@ impl<'a> Errors<'a> {
 
     fn is_exponential(&self) -> bool {
         matches!(self.settings.lane.barrier, LaneBarrier::Exponential { .. })
+    }
+
+    /// Wheels that change by `α` in opposite ways move the point of interest across by `2 a α/l`; half of that is for other things. At
+    /// the edge `k1 ẏ` is needed, and `ẏ` is at most the speed.
+    fn agile_mps(&self) -> f64 {
+        if !self.is_exponential() || !self.settings.hardening.wheel_rows {
+            return f64::INFINITY;
+        }
+        let body = self.body;
+        let across_mps2 = body.offset_m * body.wheel_acceleration_mps2() / body.wheel_base_m;
+        across_mps2 / self.rates_1ps[0]
     }
 
     /// Whether the margin is more than what was set by hand.

@@ -272,8 +272,23 @@ impl Controller {
 
     /// What margins take of the distance between two robots that stand, in m.
     pub(crate) fn standing_margin_m(&self) -> f64 {
+        self.margin_at_m(0.0)
+    }
+
+    /// The same of two robots at a speed.
+    pub(crate) fn margin_at_m(&self, speed_mps: f64) -> f64 {
         let moment = self.moment(0.0);
-        margin::headway_m(self.settings(), &moment, &State::ORIGIN, 0.0, 0.0)
+        let state = State {
+            speed_mps,
+            ..State::ORIGIN
+        };
+        margin::headway_m(
+            self.settings(),
+            &moment,
+            &state,
+            speed_mps,
+            self.body_time_s(),
+        )
     }
 
     /// The time that barriers between bodies allow for, in s.

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
+use unicycle_cbf::Scenario;
 
 use super::scenario::{Disturbance, PresetName, TestbedName};
 use super::scenarios::{Wanted, is_path, shell_word};
@@ -64,7 +65,17 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     if let Some(path) = &args.report {
         output::check_file_place(path)?;
     }
-    let campaign = args.campaign(context)?;
+    let (campaign, refused) = args.campaign(context)?;
+    for refused in &refused {
+        let Refused { scenario, reason } = refused;
+        output::note(
+            context,
+            &format!("{scenario} is not run, it does not fit: {reason}"),
+        );
+    }
+    if campaign.scenarios.is_empty() {
+        return Ok(Outcome::Negative);
+    }
     if campaign.idle() > 0 {
         let text = format!(
             "--runs {} is less than there are scenarios: {} are not run",
@@ -81,6 +92,7 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         seed: args.seed,
         duration_s: duration_s(&campaign),
         report: &report,
+        refused,
         violations: violations.map(|v| Listed::new(v, args.duration)).collect(),
     };
     let document = Document::new("ctrl-campaign", args, &[], body);
@@ -105,7 +117,8 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
 }
 
 impl CampaignArgs {
-    fn campaign(&self, context: &Context) -> anyhow::Result<Campaign> {
+    /// And what is left out of it.
+    fn campaign(&self, context: &Context) -> anyhow::Result<(Campaign, Vec<Refused>)> {
         anyhow::ensure!(self.runs > 0, "--runs has to be 1 or more");
         let wanted = Wanted {
             scenarios: &self.scenario,
@@ -113,13 +126,25 @@ impl CampaignArgs {
             presets: &self.preset,
             duration_s: self.duration,
         };
-        Ok(Campaign {
-            scenarios: wanted.named(context)?,
+        let (mut scenarios, mut refused) = (Vec::new(), Vec::new());
+        for named in wanted.named(context)? {
+            match Scenario::new(named.spec.clone()) {
+                Err(error @ unicycle_cbf::Error::DoesNotFit { .. }) => refused.push(Refused {
+                    scenario: named.name,
+                    reason: error.to_string(),
+                }),
+                // Others are refused by the campaign itself, by name.
+                _ => scenarios.push(named),
+            }
+        }
+        let campaign = Campaign {
+            scenarios,
             groups: self.disturb.iter().map(|name| (*name).into()).collect(),
             runs: self.runs,
             seed: self.seed,
             disturbances: Disturbances::HARD,
-        })
+        };
+        Ok((campaign, refused))
     }
 }
 
@@ -138,7 +163,15 @@ struct Body<'a> {
     duration_s: Option<f64>,
     #[serde(flatten)]
     report: &'a CampaignReport,
+    /// Scenarios that no speed fits
+    refused: Vec<Refused>,
     violations: Vec<Listed<'a>>,
+}
+
+#[derive(Serialize)]
+struct Refused {
+    scenario: String,
+    reason: String,
 }
 
 /// A violation with the command that repeats it.

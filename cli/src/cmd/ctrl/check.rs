@@ -1,8 +1,7 @@
 use clap::Args;
 use serde::Serialize;
-use unicycle_cbf::{Demands, Scenario};
+use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
 
-use super::live;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -13,7 +12,7 @@ use crate::render::table::{Table, number};
 /// What a scenario asks of its robots, and what is driven in its place where that does not fit
 ///
 /// Margins for the noise, latency and wheel errors that the scenario states against the width of its lane, the tightest bend, the way to a
-/// stand, the room of bodies, crossings. What cannot be driven at any speed is refused with exit code 2.
+/// stand, the room of bodies, crossings. Exit code 1 says that no speed fits.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
 Examples:
@@ -29,22 +28,36 @@ pub(crate) struct CheckArgs {
 #[derive(Serialize)]
 struct Body<'a> {
     scenario: &'a str,
+    fits: bool,
     slowed: bool,
     notes: Vec<String>,
     #[serde(flatten)]
     demands: Demands,
 }
 
+#[derive(Serialize)]
+struct Refused<'a> {
+    scenario: &'a str,
+    fits: bool,
+    reason: String,
+}
+
 pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
     let named = args.scenario.named(PresetName::Hardened)?;
-    let spec = &named.spec;
-    let scenario = Scenario::new(spec.scenario.clone());
-    let scenario = scenario.map_err(|error| live::by_id(error, spec.link.as_ref()))?;
+    let spec = &named.spec.scenario;
+    let scenario = match fitting(spec)? {
+        Ok(scenario) => scenario,
+        Err(reason) => {
+            refuse(args, context, &spec.name, reason)?;
+            return Ok(Outcome::Negative);
+        }
+    };
     let demands = Demands::new(&scenario);
     let body = Body {
-        scenario: &spec.scenario.name,
+        scenario: &spec.name,
+        fits: true,
         slowed: demands.is_slowed(),
-        notes: notes(&spec.scenario, &demands),
+        notes: notes(spec, &demands),
         demands,
     };
     match context.format {
@@ -54,8 +67,37 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     Ok(Outcome::Done)
 }
 
+fn refuse(
+    args: &CheckArgs,
+    context: &Context,
+    scenario: &str,
+    reason: String,
+) -> anyhow::Result<()> {
+    match context.format {
+        Format::Text => output::print_text(&format!("{scenario}\n\ndoes not fit: {reason}\n")),
+        Format::Json => {
+            let fits = false;
+            let body = Refused {
+                scenario,
+                fits,
+                reason,
+            };
+            output::print_json(&Document::new("ctrl-check", args, &[], body))
+        }
+    }
+}
+
+/// The scenario, or why no speed fits it.
+pub(super) fn fitting(spec: &ScenarioSpec) -> anyhow::Result<Result<Scenario, String>> {
+    match Scenario::new(spec.clone()) {
+        Ok(scenario) => Ok(Ok(scenario)),
+        Err(error @ unicycle_cbf::Error::DoesNotFit { .. }) => Ok(Err(error.to_string())),
+        Err(error) => Err(error.into()),
+    }
+}
+
 /// What a run does otherwise than its scenario says, or takes where it says nothing.
-pub(super) fn notes(spec: &unicycle_cbf::ScenarioSpec, demands: &Demands) -> Vec<String> {
+pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
     let (body, mm) = (&spec.body, |m: f64| number(1e3 * m, 1));
     let mut notes = Vec::new();
     if body.radius_m.is_none() {
@@ -66,7 +108,17 @@ pub(super) fn notes(spec: &unicycle_cbf::ScenarioSpec, demands: &Demands) -> Vec
         let taken = number(body.wheel_acceleration_mps2(), 1);
         notes.push(format!("how fast wheels change their speed is not given; {taken} m/s² is taken (`max_wheel_acceleration_mps2` under [scenario.body])"));
     }
-    if demands.driven_wheel_limit_mps < demands.wheel_limit_mps {
+    let agile_mps = demands.agile_wheel_speed_mps;
+    if let Some(agile_mps) = agile_mps.filter(|mps| *mps < demands.wheel_limit_mps) {
+        notes.push(format!(
+            "wheels that change their speed by {} m/s² turn fast enough for this lane up to {} m/s, and not at {} m/s",
+            number(body.wheel_acceleration_mps2(), 2),
+            number(agile_mps, 3),
+            number(demands.wheel_limit_mps, 3),
+        ));
+    }
+    let errors_fit = demands.margin_m >= demands.margin_at_full_speed_m;
+    if demands.driven_wheel_limit_mps < demands.wheel_limit_mps && !errors_fit {
         notes.push(format!(
             "wheels go at {} m/s at most, and not at {} m/s: then the stated errors of poses and wheels would take {} mm of the half width of {} mm; now they take {} mm",
             number(demands.driven_wheel_limit_mps, 3),

@@ -296,13 +296,13 @@ fn untold(report: &LiveReport) -> Option<String> {
 }
 
 /// Who sits before real robots knows them by their ids.
-pub(crate) fn by_id(error: unicycle_cbf::Error, link: Option<&LinkSpec>) -> anyhow::Error {
-    let unicycle_cbf::Error::Start { robot, what } = &error else {
-        return error.into();
+pub(crate) fn by_id(error: anyhow::Error, link: Option<&LinkSpec>) -> anyhow::Error {
+    let Some(unicycle_cbf::Error::Start { robot, what }) = error.downcast_ref() else {
+        return error;
     };
     match link.and_then(|link| link.robots.get(*robot)) {
         Some(id) => anyhow::anyhow!("robot {id} {what}"),
-        None => error.into(),
+        None => error,
     }
 }
 

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{Replay, RunLog, Summary, Timing, scenario_of, shadow};
+use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
 use super::scenario::{PresetName, TestbedName};
@@ -120,6 +120,25 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
 }
 
 fn again_text(replay: &Replay) -> String {
+    format!("{}{}\n", compared(replay), judged(replay))
+}
+
+fn judged(replay: &Replay) -> String {
+    let verdict = match (replay.verdict, replay.first_unsafe_s) {
+        (Verdict::Safe, _) => "the run was safe".to_owned(),
+        (_, Some(time_s)) => format!("the run was UNSAFE from {time_s:.2} s on"),
+        (_, None) => "whether the run was safe is not known".to_owned(),
+    };
+    match &replay.least_distance {
+        Some(least) => format!(
+            "{verdict}; bodies were {} mm apart at least",
+            number(1e3 * least.gap_m, 1)
+        ),
+        None => verdict,
+    }
+}
+
+fn compared(replay: &Replay) -> String {
     match &replay.first {
         None => format!(
             "{} decisions, every one the same bit for bit\n",

@@ -69,8 +69,15 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         return Ok(Outcome::Done);
     }
     let named = args.named(context)?;
-    let scenario = Scenario::new(named.spec.scenario.clone());
-    let scenario = scenario.map_err(|error| live::by_id(error, named.spec.link.as_ref()))?;
+    let scenario = match (&named.spec.link, check::fitting(&named.spec.scenario)) {
+        (None, Ok(Err(reason))) => {
+            output::note(context, &format!("not run, it does not fit: {reason}"));
+            return Ok(Outcome::Negative);
+        }
+        (_, Ok(Err(reason))) => anyhow::bail!(reason),
+        (_, Ok(Ok(scenario))) => scenario,
+        (link, Err(error)) => return Err(live::by_id(error, link.as_ref())),
+    };
     if args.show_config {
         // Where robots are is the business of another file.
         let spec = RunSpec {
@@ -118,9 +125,9 @@ impl Ended {
         match self.summary.verdict {
             Verdict::Safe => Ok(Outcome::Done),
             Verdict::Unsafe => Ok(Outcome::Negative),
-            Verdict::NotKnown => anyhow::bail!(
-                "whether the robots were safe is not known: none was seen while the scenario ran"
-            ),
+            Verdict::NotKnown => {
+                anyhow::bail!("whether the robots were safe is not known: too little was seen")
+            }
         }
     }
 }
@@ -301,7 +308,7 @@ fn verdict(summary: &Summary) -> String {
         }
         (Verdict::Unsafe, Some(time_s)) => format!("UNSAFE from {time_s:.2} s on"),
         (Verdict::Unsafe, None) => "UNSAFE".to_owned(),
-        (Verdict::NotKnown, _) => "NOT KNOWN whether it was safe: no robot was seen".to_owned(),
+        (Verdict::NotKnown, _) => "NOT KNOWN whether it was safe: too little was seen".to_owned(),
     }
 }
 
@@ -354,6 +361,17 @@ fn text(named: &Named, ended: &Ended) -> String {
     row("steps, optimal", summary.outcomes.optimal.to_string(), "");
     row("steps, relaxed", summary.outcomes.relaxed.to_string(), "");
     row("steps, braking", summary.outcomes.braking.to_string(), "");
+    for (name, count) in [
+        (
+            "of these giving way at a crossing",
+            summary.outcomes.waiting,
+        ),
+        ("of these in a deadlock", summary.outcomes.deadlock),
+    ] {
+        if count > 0 {
+            row(name, count.to_string(), "");
+        }
+    }
     row("median step", number(timing.median_us, 2), "µs");
     row("99 % of steps within", number(timing.p99_us, 2), "µs");
     if let Some(live) = &ended.live {

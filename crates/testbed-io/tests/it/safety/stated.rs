@@ -97,7 +97,7 @@ proptest! {
         let half_width_m = spec.controller.lane.half_width_m;
         let scenario = match Scenario::new(spec) {
             Ok(scenario) => scenario,
-            Err(error @ Error::Contradiction { .. }) => {
+            Err(error @ Error::DoesNotFit { .. }) => {
                 prop_assert!(error.to_string().contains("too narrow"), "{error}");
                 return Ok(());
             }
