@@ -2,15 +2,15 @@
 
 use unicycle_cbf::{
     Ahead, Brake, Decision, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
-    Surroundings,
+    Surroundings, WheelSpeeds,
 };
 
-use crate::right_of_way::{Places, RightOfWay};
+use crate::holds::Holds;
+use crate::right_of_way::{Places, RightOfWay, Wait};
 
 /// Others beside the robot ahead that one regards.
 const MOST_OTHERS: usize = 4;
-/// How long robots stand and wait for each other before that is a deadlock, in s, and how slow that is, in m/s.
-const DEADLOCK_S: f64 = 3.0;
+/// Slower wheels stand, in m/s.
 const STANDING_MPS: f64 = 5e-3;
 
 /// One controller per robot, from the front.
@@ -25,14 +25,15 @@ pub struct Convoy<'a> {
     along_m: Vec<f64>,
     room_m: Vec<f64>,
     right_of_way: RightOfWay,
-    held: Vec<Option<Hold>>,
+    holds: Holds,
 }
 
-/// A robot that stands because of another one.
-#[derive(Debug, Clone, Copy)]
-struct Hold {
-    by: usize,
-    since_s: f64,
+/// Of one robot.
+struct Neighbours {
+    leader: Option<usize>,
+    /// Others, in front those that there are
+    nearest: [Option<usize>; MOST_OTHERS],
+    wait: Option<Wait>,
 }
 
 fn square_m2(own: &State, other: &State) -> f64 {
@@ -51,7 +52,7 @@ impl<'a> Convoy<'a> {
             along_m: vec![f64::NAN; robots.len()],
             room_m: vec![f64::INFINITY; robots.len()],
             right_of_way: RightOfWay::new(scenario.controller(), robots.len()),
-            held: vec![None; robots.len()],
+            holds: Holds::new(robots.len()),
             pilots: robots.map(pilot).collect(),
             sight_at_s: f64::NAN,
         }
@@ -89,66 +90,72 @@ impl<'a> Convoy<'a> {
             };
             return pilot.decide_among(controller, now_s, around, &objectives);
         }
-        let leader = self.leader(robot);
-        let ahead = leader.map_or_else(
+        let around = self.neighbours(robot);
+        let ahead = around.leader.map_or_else(
             || self.nobody_or_unseen(robot),
             |leader| self.sight[leader].map(|seen| seen.sighting).into(),
         );
-        let nearest = self.nearest(robot, leader);
-        let count = nearest.iter().flatten().count();
-        let state =
-            |other: Option<usize>| self.sight[other?].map(|seen| seen.sighting.leader.state);
-        let others = nearest.map(|other| state(other).unwrap_or(State::ORIGIN));
-        let wait = self.right_of_way.wait(&self.places(), robot);
-        let around = Surroundings {
+        let count = around.nearest.iter().flatten().count();
+        let others = around.nearest.map(|other| {
+            let state = other.and_then(|other| self.state(other));
+            state.unwrap_or(State::ORIGIN)
+        });
+        let surroundings = Surroundings {
             own: self.sight[robot],
             ahead,
             others: &others[..count],
-            stop_line_m: wait.map(|wait| wait.line_m),
+            stop_line_m: around.wait.map(|wait| wait.line_m),
         };
-        let decision = pilot.decide_among(controller, now_s, around, &objectives);
-        let wheels = decision.wheels;
-        let stands = wheels.left_mps.abs().max(wheels.right_mps.abs()) < STANDING_MPS;
-        let holder = || {
-            if decision.is_held_by(RowKind::GiveWay) {
-                return wait.map(|wait| wait.robot);
-            }
-            let by_headway = [RowKind::Headway, RowKind::HeadwayStopped];
-            if by_headway.into_iter().any(|kind| decision.is_held_by(kind)) {
-                return leader;
-            }
-            let bodies = leader.into_iter().chain(nearest.into_iter().flatten());
-            let is_in_reach = |other: &usize| {
-                let states = [robot, *other].map(|robot| state(Some(robot)));
-                matches!(states, [Some(own), Some(other)] if controller.reaches(&own, &other))
-            };
-            bodies.filter(is_in_reach).nth(decision.held_by_body()?)
-        };
-        let hold = if stands { holder() } else { None };
-        let hold = hold.filter(|by| *by != robot);
-        self.held[robot] = hold.map(|by| {
-            let known = self.held[robot].filter(|known| known.by == by);
-            known.unwrap_or(Hold { by, since_s: now_s })
-        });
-        if self.is_in_a_circle(robot, now_s) {
+        let decision = pilot.decide_among(controller, now_s, surroundings, &objectives);
+        let holder = self.holder(robot, &decision, &around);
+        self.holds.add(robot, now_s, holder);
+        if self.holds.is_in_a_circle(robot, now_s) {
             return decision.stopped(Brake::Deadlock);
         }
         decision
     }
 
-    /// Whether a robot waits for one that waits, and so on, for itself, all for some time.
-    fn is_in_a_circle(&self, robot: usize, now_s: f64) -> bool {
-        let mut at = robot;
-        for _ in 0..self.robots() {
-            match self.held[at] {
-                Some(hold) if now_s - hold.since_s >= DEADLOCK_S => at = hold.by,
-                _ => return false,
-            }
-            if at == robot {
-                return true;
-            }
+    fn neighbours(&self, robot: usize) -> Neighbours {
+        let leader = self.leader(robot);
+        Neighbours {
+            leader,
+            nearest: self.nearest(robot, leader),
+            wait: self.right_of_way.wait(&self.places(), robot),
         }
-        false
+    }
+
+    fn state(&self, robot: usize) -> Option<State> {
+        Some(self.sight[robot]?.sighting.leader.state)
+    }
+
+    /// Because of whom a robot stands.
+    fn holder(&self, robot: usize, decision: &Decision, around: &Neighbours) -> Option<usize> {
+        let WheelSpeeds {
+            left_mps,
+            right_mps,
+        } = decision.wheels;
+        if left_mps.abs().max(right_mps.abs()) >= STANDING_MPS {
+            return None;
+        }
+        if decision.is_held_by(RowKind::GiveWay) {
+            let by = around.wait.map(|wait| wait.robot);
+            return by.filter(|by| *by != robot);
+        }
+        let by_headway = [RowKind::Headway, RowKind::HeadwayStopped];
+        if by_headway.into_iter().any(|kind| decision.is_held_by(kind)) {
+            return around.leader;
+        }
+        let own = self.state(robot)?;
+        let controller = self.scenario.controller();
+        let is_in_reach = |other: &usize| {
+            self.state(*other)
+                .is_some_and(|other| controller.reaches(&own, &other))
+        };
+        let bodies = around
+            .leader
+            .into_iter()
+            .chain(around.nearest.into_iter().flatten());
+        bodies.filter(is_in_reach).nth(decision.held_by_body()?)
     }
 
     fn places(&self) -> Places<'_> {

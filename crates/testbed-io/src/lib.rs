@@ -28,6 +28,7 @@ mod convoy;
 mod disturbances;
 mod error;
 mod figures;
+mod holds;
 mod link;
 pub mod live;
 pub mod log_file;

@@ -70,12 +70,14 @@ mod limits;
 mod margin;
 pub mod path;
 mod pilot;
+mod placing;
 mod pose;
 mod predictor;
 pub mod qp;
 mod rows;
 mod scenario;
 mod settings;
+mod starts;
 mod terms;
 mod unicycle;
 

@@ -6,7 +6,7 @@ use crate::controller::{Controller, Objectives, Tracking};
 use crate::error::Error;
 use crate::lateral::Deviation;
 use crate::path::Path;
-use crate::pose::{Pose, Speeds, State};
+use crate::pose::{Pose, Speeds};
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::Body;
 
@@ -239,64 +239,6 @@ impl Scenario {
         }
         let bend_m = 1.0 / path.max_curvature_1pm();
         (lane.half_width_m >= bend_m).then_some(bend_m)
-    }
-
-    fn check_order(&self) -> Result<(), Error> {
-        let path = self.controller.path();
-        let offset_m = self.controller.body().offset_m;
-        for (robot, pair) in self.starts.windows(2).enumerate() {
-            let [ahead, behind] = pair else { continue };
-            let place = |pose: &Pose| pose.state(offset_m, Speeds::ZERO);
-            let (ahead, behind) = (place(ahead), place(behind));
-            let s_m = |state: &State| self.controller.s_m(state);
-            let gap_m = path.distance_along_m(s_m(&behind), s_m(&ahead));
-            if gap_m > 0.0 {
-                continue;
-            }
-            return Err(Error::Start {
-                robot: robot + 1,
-                what: format!(
-                    "starts {:.3} m ahead of the one before it in the list, which it shall follow; list robots from the front",
-                    -gap_m
-                ),
-            });
-        }
-        Ok(())
-    }
-}
-
-impl Scenario {
-    /// Of controllers that regard every robot: all stand apart, and whoever follows has its standstill gap.
-    fn check_room(&self) -> Result<(), Error> {
-        let controller = &self.controller;
-        if !controller.settings().hardening.regards_every_robot() {
-            return Ok(());
-        }
-        let state = |pose: &Pose| pose.state(controller.body().offset_m, Speeds::ZERO);
-        for (robot, own) in self.starts.iter().enumerate() {
-            for (other, place) in self.starts[..robot].iter().enumerate() {
-                let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
-                let least_m = controller.least_distance_m();
-                let headway_m = (other + 1 == robot
-                    && controller.follows(&state(own), &state(place)))
-                .then(|| controller.headway(&state(own), &state(place), None).value);
-                if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
-                    continue;
-                }
-                let least_m = least_m.max(controller.standstill_m());
-                return Err(Error::Start {
-                    robot,
-                    what: format!(
-                        "starts {apart_m:.3} m from robot {other}, and {least_m:.3} m are needed: both radii of {:.3} m and `headway.clearance_m` of {:.3} m, \
-                         or `headway.standstill_m` of {:.3} m",
-                        controller.body().radius_m(),
-                        controller.settings().headway.clearance_m,
-                        controller.settings().headway.standstill_m,
-                    ),
-                });
-            }
-        }
-        Ok(())
     }
 }
 

@@ -150,20 +150,21 @@ pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
             number(1e3 / spec.rate_hz, 0)
         ));
     }
-    if demands.driven_standstill_m > demands.standstill_m {
+    let several = spec.robots.len() > 1;
+    if several && demands.driven_standstill_m > demands.standstill_m {
         notes.push(format!(
             "the standstill gap is {} mm, and not {} mm: both radii and the clearance",
             mm(demands.driven_standstill_m),
             mm(demands.standstill_m)
         ));
     }
-    if demands.crossings > 0 {
+    if several && demands.crossings > 0 {
         notes.push(format!(
             "the path meets itself at {} place(s): one robot at a time goes through, in the order in which they came",
             demands.crossings
         ));
     }
-    if demands.along_path_instead {
+    if several && demands.along_path_instead {
         notes.push(
             "the headway is measured along the path, and not as a chord: the path meets itself"
                 .to_owned(),
