@@ -26,7 +26,7 @@ fn a_run_of_the_thesis_is_safe_and_says_so() {
     assert_eq!(document["safe"], true);
     assert_eq!(
         document["outcomes"],
-        json!({ "optimal": 2000, "relaxed": 0, "braking": 0 })
+        json!({ "optimal": 2000, "relaxed": 0, "braking": 0, "waiting": 0, "deadlock": 0 })
     );
     for key in [
         "min_h_headway_m",
