@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::cbf::LaneBarrier;
 use crate::scenario::Scenario;
 
 /// A scenario's demands. Lengths in m, speeds in m/s.
@@ -23,6 +24,10 @@ pub struct Demands {
     pub driven_wheel_limit_mps: f64,
     /// Up to which wheels change fast enough for the lane; none where nothing asks for it
     pub agile_wheel_speed_mps: Option<f64>,
+    /// Whether the guarantee is one for these settings: exponential rows of the lane, and rows of the wheels
+    pub is_guaranteed: bool,
+    /// The largest start beside the path
+    pub largest_start_m: f64,
     /// The fastest that any robot shall go, forward or back
     pub fastest_desired_mps: f64,
     /// Way to a stand from the driven limit, with the oldest pose that is acted on and a period
@@ -53,6 +58,10 @@ impl Demands {
             .robots
             .iter()
             .flat_map(|robot| &robot.desired_speed_mps);
+        let starts_m = spec
+            .robots
+            .iter()
+            .map(|robot| robot.start_deviation_m.abs());
         let speed_mps = limits.wheel_speed_mps;
         let blind_s = set.hardening.max_pose_age_s.unwrap_or(0.0) + controller.hold_s();
         let braking_m = 0.5 * speed_mps * speed_mps / controller.body().wheel_acceleration_mps2();
@@ -65,6 +74,9 @@ impl Demands {
             wheel_limit_mps: spec.body.max_wheel_speed_mps,
             driven_wheel_limit_mps: speed_mps,
             agile_wheel_speed_mps: Some(limits.agile_mps).filter(|mps| mps.is_finite()),
+            is_guaranteed: set.hardening.wheel_rows
+                && matches!(set.lane.barrier, LaneBarrier::Exponential { .. }),
+            largest_start_m: starts_m.fold(0.0, f64::max),
             fastest_desired_mps: desired.map(|[_, v]| v.abs()).fold(0.0, f64::max),
             stopping_m: blind_s * speed_mps + braking_m,
             standstill_m: set.headway.standstill_m,
@@ -84,6 +96,6 @@ impl Demands {
     /// Whether some robot shall go faster than the lane allows.
     #[must_use]
     pub fn is_slowed(&self) -> bool {
-        self.driven_wheel_limit_mps < self.wheel_limit_mps.min(self.fastest_desired_mps)
+        self.driven_wheel_limit_mps < self.fastest_desired_mps
     }
 }

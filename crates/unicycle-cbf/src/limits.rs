@@ -26,6 +26,8 @@ use crate::unicycle::Body;
 const MOST_OF_LANE: f64 = 0.8;
 /// Share of the radius of the tightest bend that rows let the point of interest use.
 const MOST_OF_BEND: f64 = 0.7;
+/// What is left of the tightest bend at least, in m.
+const LEAST_BEND_M: f64 = 2e-3;
 /// How often noise is counted.
 const NOISE_PEAKS: f64 = 2.0;
 /// Time in which motors follow a command, in s.
@@ -46,7 +48,7 @@ pub struct Limits {
     pub half_width_m: f64,
     /// What would have to be taken off it at the body's wheel speed, in m
     pub margin_at_full_speed_m: f64,
-    /// Up to which speed of the wheels they change fast enough to turn the robot back before the edge, in m/s
+    /// Up to which speed of the wheels the robot turns fast enough, back before the edge and round the tightest bend, in m/s
     pub agile_mps: f64,
     /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
     pub lane_rates_1ps: [f64; 2],
@@ -65,7 +67,9 @@ impl Limits {
         let errors = Errors::new(body, settings, hold_s);
         let half_width_m = settings.lane.half_width_m;
         let room_m = MOST_OF_LANE * half_width_m;
-        let full_mps = body.max_wheel_speed_mps.min(errors.agile_mps());
+        let bend_mps = errors.bend_mps(path)?;
+        let agile_mps = errors.agile_mps().min(bend_mps);
+        let full_mps = body.max_wheel_speed_mps.min(agile_mps);
         let margin_at_full_speed_m = errors.margin_m(full_mps);
         let at = |wheel_speed_mps| {
             let lane_margin_m = errors.margin_m(wheel_speed_mps);
@@ -74,7 +78,7 @@ impl Limits {
                 lane_margin_m,
                 half_width_m: (half_width_m - lane_margin_m).min(errors.bend_m(path)),
                 margin_at_full_speed_m,
-                agile_mps: errors.agile_mps(),
+                agile_mps,
                 lane_rates_1ps: errors.rates_1ps,
             }
         };
@@ -90,6 +94,19 @@ impl Limits {
             ));
         }
         Ok(at(errors.fastest_mps([least_mps, full_mps], room_m)))
+    }
+}
+
+fn too_tight(bend_m: f64, noise_m: f64) -> Error {
+    Error::DoesNotFit {
+        what: format!(
+            "the path is too tight: the radius of its tightest bend is {:.1} mm, of which {:.0} % have to be more than {:.1} mm and the noise of poses, \
+             {:.1} mm; does it turn back on itself? give it rounder bends",
+            1e3 * bend_m,
+            100.0 * MOST_OF_BEND,
+            1e3 * LEAST_BEND_M,
+            1e3 * noise_m,
+        ),
     }
 }
 
@@ -148,6 +165,21 @@ impl<'a> Errors<'a> {
         let body = self.body;
         let across_mps2 = body.offset_m * body.wheel_acceleration_mps2() / body.wheel_base_m;
         across_mps2 / self.rates_1ps[0]
+    }
+
+    /// Bends that are tighter than the offset of the point of interest are driven at what the turn rate allows.
+    fn bend_mps(&self, path: &Path) -> Result<f64, Error> {
+        let bend_m = self.bend_m(path) / MOST_OF_BEND;
+        let hardening = &self.settings.hardening;
+        let offset_m = self.body.offset_m;
+        if !hardening.wheel_rows || bend_m >= offset_m {
+            return Ok(f64::INFINITY);
+        }
+        let noise_m = hardening.position_noise_m + offset_m * hardening.heading_noise_rad;
+        if MOST_OF_BEND * bend_m <= noise_m.max(LEAST_BEND_M) {
+            return Err(too_tight(bend_m, noise_m));
+        }
+        Ok(bend_m * self.body.max_turn_rate_rad_s)
     }
 
     /// Whether the margin is more than what was set by hand.

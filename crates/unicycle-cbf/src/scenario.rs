@@ -187,15 +187,24 @@ impl Scenario {
         }
     }
 
+    /// With rows for the wheels nobody wants more than they may do: a wish far beyond upsets the program's numbers.
+    fn attainable_mps(&self, desired_mps: f64) -> f64 {
+        let limit_mps = self.controller.limits().wheel_speed_mps;
+        if self.spec.controller.hardening.wheel_rows {
+            desired_mps.clamp(-limit_mps, limit_mps)
+        } else {
+            desired_mps
+        }
+    }
+
     /// What a robot wants at a time.
     #[must_use]
     pub fn objectives(&self, robot: usize, time_s: f64) -> Objectives {
         let spec = &self.spec.robots[robot];
         let due = spec.desired_speed_mps.iter().rev();
         let desired = due.clone().find(|[from_s, _]| *from_s <= time_s);
-        let mut objectives = self
-            .controller
-            .objectives(desired.map_or(0.0, |[_, speed]| *speed));
+        let desired_mps = desired.map_or(0.0, |[_, speed]| *speed);
+        let mut objectives = self.controller.objectives(self.attainable_mps(desired_mps));
         let within = |[from_s, to_s]: &[f64; 2]| (*from_s..*to_s).contains(&time_s);
         objectives.stop = spec.stops_s.iter().any(within);
         match spec.tracker {

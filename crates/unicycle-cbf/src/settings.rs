@@ -167,7 +167,7 @@ impl ControllerSettings {
     /// The first number out of its range.
     pub fn check(&self) -> Result<(), Error> {
         for rate in self.convergence_1ps {
-            Error::positive("convergence_1ps", rate)?;
+            Error::within("convergence_1ps", rate, 1e-6, 1e4)?;
         }
         for weight in self.weights {
             Error::positive("weights", weight)?;
@@ -226,7 +226,7 @@ impl HeadwaySettings {
     pub const CLEARANCE_M: f64 = 0.01;
 
     fn check(&self) -> Result<(), Error> {
-        Error::positive("headway.time_s", self.time_s)?;
+        Error::within("headway.time_s", self.time_s, 1e-6, 100.0)?;
         Error::within("headway.standstill_m", self.standstill_m, 0.0, f64::MAX)?;
         Error::within("headway.clearance_m", self.clearance_m, 0.0, 10.0)?;
         Error::positive("headway.rate_1ps", self.rate_1ps)?;

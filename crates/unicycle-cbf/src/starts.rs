@@ -35,13 +35,20 @@ impl Scenario {
             return Ok(());
         }
         let state = |pose: &Pose| pose.state(controller.body().offset_m, Speeds::ZERO);
+        let moving = |robot: usize, pose: &Pose| {
+            pose.state(controller.body().offset_m, self.initial_speeds(robot))
+        };
         for (robot, own) in self.starts().iter().enumerate() {
             for (other, place) in self.starts()[..robot].iter().enumerate() {
                 let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
                 let least_m = controller.least_distance_m();
                 let headway_m = (other + 1 == robot
                     && controller.follows(&state(own), &state(place)))
-                .then(|| controller.headway(&state(own), &state(place), None).value);
+                .then(|| {
+                    controller
+                        .headway(&moving(robot, own), &state(place), None)
+                        .value
+                });
                 if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
                     continue;
                 }

@@ -1,3 +1,4 @@
+use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
 use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
@@ -28,22 +29,24 @@ pub(crate) struct CheckArgs {
 #[derive(Serialize)]
 struct Body<'a> {
     scenario: &'a str,
-    fits: bool,
+    fits: Option<bool>,
     slowed: bool,
     notes: Vec<String>,
     #[serde(flatten)]
     demands: Demands,
 }
 
+/// The document of what does not fit.
 #[derive(Serialize)]
-struct Refused<'a> {
-    scenario: &'a str,
-    fits: bool,
-    reason: String,
+pub(super) struct Refused<'a> {
+    pub(super) scenario: &'a str,
+    pub(super) fits: bool,
+    pub(super) reason: String,
 }
 
 pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
     let named = args.scenario.named(PresetName::Hardened)?;
+    named.spec.disturbances.check().context("disturbances")?;
     let spec = &named.spec.scenario;
     let scenario = match fitting(spec)? {
         Ok(scenario) => scenario,
@@ -55,7 +58,7 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     let demands = Demands::new(&scenario);
     let body = Body {
         scenario: &spec.name,
-        fits: true,
+        fits: demands.is_guaranteed.then_some(true),
         slowed: demands.is_slowed(),
         notes: notes(spec, &demands),
         demands,
@@ -109,10 +112,21 @@ pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
         notes.push(format!("how fast wheels change their speed is not given; {taken} m/s² is taken (`max_wheel_acceleration_mps2` under [scenario.body])"));
     }
     let agile_mps = demands.agile_wheel_speed_mps;
+    if !demands.is_guaranteed && spec.controller.hardening.wheel_rows {
+        notes.push("the lane has another barrier than the exponential one: margins and speed are not those of the guarantee; `--preset hardened` has them".to_owned());
+    }
+    if demands.largest_start_m > demands.half_width_m {
+        notes.push(format!(
+            "a robot starts {} mm beside the path, outside of its lane of {} mm: the run is unsafe from its start",
+            mm(demands.largest_start_m),
+            mm(demands.half_width_m)
+        ));
+    }
     if let Some(agile_mps) = agile_mps.filter(|mps| *mps < demands.wheel_limit_mps) {
         notes.push(format!(
-            "wheels that change their speed by {} m/s² turn fast enough for this lane up to {} m/s, and not at {} m/s",
+            "wheels that change their speed by {} m/s² and a turn rate of {} rad/s turn the robot fast enough for this lane and its bends up to {} m/s, and not at {} m/s",
             number(body.wheel_acceleration_mps2(), 2),
+            number(body.max_turn_rate_rad_s, 2),
             number(agile_mps, 3),
             number(demands.wheel_limit_mps, 3),
         ));
@@ -230,7 +244,11 @@ fn text(body: &Body) -> String {
     for note in &body.notes {
         text.push_str(&format!("\n- {note}"));
     }
-    let verdict = if body.slowed {
+    let verdict = if !demands.is_guaranteed {
+        "not known whether it fits: without `wheel_rows` and the exponential barrier nothing is guaranteed"
+    } else if demands.largest_start_m > demands.half_width_m {
+        "fits, but for a start outside of the lane"
+    } else if body.slowed {
         "fits at a lower speed than asked for"
     } else {
         "fits as asked"

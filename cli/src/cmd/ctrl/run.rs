@@ -72,6 +72,14 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     let scenario = match (&named.spec.link, check::fitting(&named.spec.scenario)) {
         (None, Ok(Err(reason))) => {
             output::note(context, &format!("not run, it does not fit: {reason}"));
+            if context.format == Format::Json {
+                let body = check::Refused {
+                    scenario: &named.spec.scenario.name,
+                    fits: false,
+                    reason,
+                };
+                output::print_json(&Document::new("ctrl-run", args, &[], body))?;
+            }
             return Ok(Outcome::Negative);
         }
         (_, Ok(Err(reason))) => anyhow::bail!(reason),
