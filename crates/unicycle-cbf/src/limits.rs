@@ -100,7 +100,7 @@ impl Limits {
 fn too_tight(bend_m: f64, noise_m: f64) -> Error {
     Error::DoesNotFit {
         what: format!(
-            "the path is too tight: the radius of its tightest bend is {:.1} mm, of which {:.0} % have to be more than {:.1} mm and the noise of poses, \
+            "the path is too tight: the radius of its tightest bend is {:.1} mm, of which {:.0} % have to be more than {:.1} mm and twice the noise of poses, \
              {:.1} mm; does it turn back on itself? give it rounder bends",
             1e3 * bend_m,
             100.0 * MOST_OF_BEND,
@@ -167,19 +167,19 @@ impl<'a> Errors<'a> {
         across_mps2 / self.rates_1ps[0]
     }
 
-    /// Bends that are tighter than the offset of the point of interest are driven at what the turn rate allows.
+    /// The tightest bend is driven at what the turn rate allows.
     fn bend_mps(&self, path: &Path) -> Result<f64, Error> {
-        let bend_m = self.bend_m(path) / MOST_OF_BEND;
         let hardening = &self.settings.hardening;
-        let offset_m = self.body.offset_m;
-        if !hardening.wheel_rows || bend_m >= offset_m {
+        if !self.is_exponential() || !hardening.wheel_rows {
             return Ok(f64::INFINITY);
         }
-        let noise_m = hardening.position_noise_m + offset_m * hardening.heading_noise_rad;
-        if MOST_OF_BEND * bend_m <= noise_m.max(LEAST_BEND_M) {
-            return Err(too_tight(bend_m, noise_m));
+        let noise_m = NOISE_PEAKS
+            * (hardening.position_noise_m + self.body.offset_m * hardening.heading_noise_rad);
+        let usable_m = self.bend_m(path);
+        if usable_m <= noise_m.max(LEAST_BEND_M) {
+            return Err(too_tight(usable_m / MOST_OF_BEND, noise_m));
         }
-        Ok(bend_m * self.body.max_turn_rate_rad_s)
+        Ok(self.body.max_turn_rate_rad_s / path.max_curvature_1pm())
     }
 
     /// Whether the margin is more than what was set by hand.

@@ -67,7 +67,7 @@ fn kind(path: &PathSpec) -> &'static str {
 fn random_scenarios_are_refused_with_a_reason_or_safe() {
     let number =
         |name: &str, usual: u64| std::env::var(name).map_or(usual, |text| text.parse().unwrap());
-    let count = number("DRIVEKIT_RANDOM_SCENARIOS", 1000);
+    let count = number("DRIVEKIT_RANDOM_SCENARIOS", 2000);
     let first = number("DRIVEKIT_RANDOM_SEED", 1);
     let outcomes: Vec<(u64, Outcome)> = (first..first + count)
         .into_par_iter()
