@@ -94,6 +94,8 @@ pub struct Controller {
     hold_s: f64,
     limits: Limits,
     pub(crate) crossings: Vec<Crossing>,
+    /// From how near on another robot has a row, squared
+    pub(crate) reach_m2: f64,
 }
 
 impl Controller {
@@ -121,8 +123,10 @@ impl Controller {
             hold_s,
             limits,
             crossings: Vec::new(),
+            reach_m2: f64::INFINITY,
         };
         controller.find_crossings();
+        controller.reach_m2 = controller.reach_m().powi(2);
         Ok(controller)
     }
 

@@ -51,7 +51,7 @@ impl Controller {
 
     /// From how near on another robot has a row, in m between points of interest: from farther away nobody who goes as fast as wheels
     /// may has to brake yet.
-    fn reach_m(&self) -> f64 {
+    pub(crate) fn reach_m(&self) -> f64 {
         let speed_mps = self.limits().wheel_speed_mps;
         let closing_s = self.body_time_s() + 2.0 / self.settings.headway.rate_1ps;
         let margin_m = self.margin_at_m(speed_mps);
@@ -62,7 +62,7 @@ impl Controller {
     #[must_use]
     pub fn reaches(&self, state: &State, other: &State) -> bool {
         let (dx, dy) = (other.x_m - state.x_m, other.y_m - state.y_m);
-        dx * dx + dy * dy <= self.reach_m().powi(2)
+        dx * dx + dy * dy <= self.reach_m2
     }
 
     /// What a robot needs behind the next one to stand there, in m along the path.
