@@ -266,6 +266,8 @@ impl Controller {
         let time_s = self.body_time_s();
         let margin_m = margin::headway_m(settings, moment, state, 0.0, time_s);
         let progress = frenet.progress();
+        // Whoever is too near to the line stands, and does not back off.
+        let line_m = line_m.max(margin_m);
         let h = cbf::spaced(self.body(), state, line_m, -progress.rate_mps, time_s, 0.0);
         rows.barrier(RowKind::GiveWay, &h, settings.headway.rate_1ps, margin_m);
     }
