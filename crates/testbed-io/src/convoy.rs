@@ -224,10 +224,10 @@ impl<'a> Convoy<'a> {
 
     /// The nearest robot ahead along the path, on a loop by less than half a lap.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let path = self.scenario.controller().path();
-        let most_m = path.length_m().map_or(f64::INFINITY, |length| 0.5 * length);
-        let (ahead_m, leader) = self.ahead(robot)?;
-        (ahead_m < most_m).then_some(leader)
+        let (_, leader) = self.ahead(robot)?;
+        let (own_m, leader_m) = (self.along_m_of(robot)?, self.along_m_of(leader)?);
+        let controller = self.scenario.controller();
+        controller.follows_along(own_m, leader_m).then_some(leader)
     }
 
     /// Where a robot was seen along the path, in m.

@@ -122,8 +122,7 @@ fn judge(scenario: &Scenario, rows: &[LoggedTick], summary: &mut Summarising) {
     for (robot, own) in places.iter().enumerate() {
         let Some(own) = own else { continue };
         let ahead = robot.checked_sub(1).and_then(|ahead| places[ahead]);
-        let ahead = ahead.filter(|ahead| controller.follows(own, ahead));
-        summary.add_measured(time_s, &controller.safety(own, ahead.as_ref()));
+        summary.add_measured(time_s, &controller.safety_behind(own, ahead.as_ref()));
     }
     summary.add_places(time_s, &places);
 }

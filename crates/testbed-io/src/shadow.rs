@@ -125,7 +125,7 @@ fn truth(scenario: &Scenario, tracks: &[Track], robot: usize) -> Option<Truth> {
     let state = state(robot)?;
     Some(Truth {
         state,
-        safety: scenario.controller().safety(&state, ahead.as_ref()),
+        safety: scenario.controller().safety_behind(&state, ahead.as_ref()),
     })
 }
 

@@ -202,6 +202,13 @@ impl Controller {
         }
     }
 
+    /// The same behind the robot before it in the list, if it is that one that it follows.
+    #[must_use]
+    pub fn safety_behind(&self, state: &State, named_ahead: Option<&State>) -> Safety {
+        let followed = named_ahead.filter(|ahead| self.follows(state, ahead));
+        self.safety(state, followed)
+    }
+
     /// `D − D0 − τ v`. Where every robot is regarded a chord across the loop is no headway: to a robot that is more than a quarter of
     /// a lap ahead the way along the path counts.
     fn headway_m(&self, state: &State, leader: &State) -> f64 {

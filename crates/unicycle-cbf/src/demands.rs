@@ -24,7 +24,8 @@ pub struct Demands {
     pub driven_wheel_limit_mps: f64,
     /// Up to which wheels change fast enough for the lane; none where nothing asks for it
     pub agile_wheel_speed_mps: Option<f64>,
-    /// Whether the guarantee is one for these settings: exponential rows of the lane, and rows of the wheels
+    /// Whether the guarantee is one for these settings: exponential rows of the lane, rows of the wheels, prediction from poses that are
+    /// not older than stated, and margins for the time between samples
     pub is_guaranteed: bool,
     /// The largest start beside the path
     pub largest_start_m: f64,
@@ -75,6 +76,9 @@ impl Demands {
             driven_wheel_limit_mps: speed_mps,
             agile_wheel_speed_mps: Some(limits.agile_mps).filter(|mps| mps.is_finite()),
             is_guaranteed: set.hardening.wheel_rows
+                && set.hardening.predict
+                && set.hardening.sampling_margin
+                && set.hardening.max_pose_age_s.is_some()
                 && matches!(set.lane.barrier, LaneBarrier::Exponential { .. }),
             largest_start_m: starts_m.fold(0.0, f64::max),
             fastest_desired_mps: desired.map(|[_, v]| v.abs()).fold(0.0, f64::max),

@@ -27,8 +27,7 @@ impl Controller {
         if !self.settings.hardening.regards_every_robot() {
             return;
         }
-        let near_m = self.standstill_m() + self.standing_margin_m() + BESIDE_M;
-        self.crossings = Crossing::all(self.path(), near_m);
+        self.crossings = Crossing::all(self.path(), self.room_m());
         if self.crossings.is_empty() {
             return;
         }

@@ -52,15 +52,17 @@ impl Scenario {
                 if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
                     continue;
                 }
-                let least_m = least_m.max(controller.standstill_m());
+                let headway = &controller.settings().headway;
+                let way_m = headway.time_s * self.initial_speeds(robot).speed_mps.abs();
+                let least_m = least_m.max(controller.standstill_m() + way_m);
                 return Err(Error::Start {
                     robot,
                     what: format!(
                         "starts {apart_m:.3} m from robot {other}, and {least_m:.3} m are needed: both radii of {:.3} m and `headway.clearance_m` of {:.3} m, \
-                         or `headway.standstill_m` of {:.3} m",
+                         or `headway.standstill_m` of {:.3} m, and {way_m:.3} m for the speed at which it starts",
                         controller.body().radius_m(),
-                        controller.settings().headway.clearance_m,
-                        controller.settings().headway.standstill_m,
+                        headway.clearance_m,
+                        headway.standstill_m,
                     ),
                 });
             }

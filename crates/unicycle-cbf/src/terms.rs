@@ -235,8 +235,7 @@ impl Controller {
     fn behind(&self, state: &State, frenet: &Frenet, other: &State, time_s: f64) -> Option<Lie> {
         let (own, behind) = (frenet.progress(), self.frenet(other).progress());
         let distance_m = self.path().distance_along_m(behind.s_m, own.s_m);
-        let lap_m = self.path().length_m().unwrap_or(f64::INFINITY);
-        if distance_m <= 0.0 || distance_m > 0.5 * lap_m {
+        if distance_m <= 0.0 || !self.follows_along(behind.s_m, own.s_m) {
             return None;
         }
         let along = self.settings().headway.distance == Distance::Path;

@@ -1,10 +1,6 @@
 use std::path::PathBuf;
 
-use clap::Args;
-use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
-use unicycle_cbf::Scenario;
-
+use super::check;
 use super::scenario::{Disturbance, PresetName, TestbedName};
 use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
@@ -14,6 +10,9 @@ use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use clap::Args;
+use serde::Serialize;
+use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
 
 /// Thousands of seeded runs under disturbances, and which of them were unsafe
 ///
@@ -128,12 +127,12 @@ impl CampaignArgs {
         };
         let (mut scenarios, mut refused) = (Vec::new(), Vec::new());
         for named in wanted.named(context)? {
-            match Scenario::new(named.spec.clone()) {
-                Err(error @ unicycle_cbf::Error::DoesNotFit { .. }) => refused.push(Refused {
+            match check::fitting(&named.spec) {
+                Ok(Err(reason)) => refused.push(Refused {
                     scenario: named.name,
-                    reason: error.to_string(),
+                    reason,
                 }),
-                // Others are refused by the campaign itself, by name.
+                // Other errors are those of the campaign itself, by name.
                 _ => scenarios.push(named),
             }
         }

@@ -3,6 +3,7 @@ use clap::Args;
 use serde::Serialize;
 use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
 
+use super::guards;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -56,11 +57,15 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
         }
     };
     let demands = Demands::new(&scenario);
+    let mut notes = notes(spec, &demands);
+    if !demands.is_guaranteed {
+        notes.extend(guards::missing(&spec.controller));
+    }
     let body = Body {
         scenario: &spec.name,
         fits: demands.is_guaranteed.then_some(true),
         slowed: demands.is_slowed(),
-        notes: notes(spec, &demands),
+        notes,
         demands,
     };
     match context.format {
@@ -111,10 +116,6 @@ pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
         let taken = number(body.wheel_acceleration_mps2(), 1);
         notes.push(format!("how fast wheels change their speed is not given; {taken} m/s² is taken (`max_wheel_acceleration_mps2` under [scenario.body])"));
     }
-    let agile_mps = demands.agile_wheel_speed_mps;
-    if !demands.is_guaranteed && spec.controller.hardening.wheel_rows {
-        notes.push("the lane has another barrier than the exponential one: margins and speed are not those of the guarantee; `--preset hardened` has them".to_owned());
-    }
     if demands.largest_start_m > demands.half_width_m {
         notes.push(format!(
             "a robot starts {} mm beside the path, outside of its lane of {} mm: the run is unsafe from its start",
@@ -122,6 +123,7 @@ pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
             mm(demands.half_width_m)
         ));
     }
+    let agile_mps = demands.agile_wheel_speed_mps;
     if let Some(agile_mps) = agile_mps.filter(|mps| *mps < demands.wheel_limit_mps) {
         notes.push(format!(
             "wheels that change their speed by {} m/s² and a turn rate of {} rad/s turn the robot fast enough for this lane and its bends up to {} m/s, and not at {} m/s",
@@ -245,7 +247,7 @@ fn text(body: &Body) -> String {
         text.push_str(&format!("\n- {note}"));
     }
     let verdict = if !demands.is_guaranteed {
-        "not known whether it fits: without `wheel_rows` and the exponential barrier nothing is guaranteed"
+        "not known whether it fits: these settings lack guards, and nothing is guaranteed"
     } else if demands.largest_start_m > demands.half_width_m {
         "fits, but for a start outside of the lane"
     } else if body.slowed {

@@ -33,6 +33,10 @@ pub(crate) fn missing(settings: &ControllerSettings) -> Vec<String> {
             "no allowance for a robot ahead that has stopped since it was seen",
         ),
         (
+            own.regards_every_robot(),
+            "no rows for the bodies of other robots: it knows the one before it in the list, as a point",
+        ),
+        (
             own.max_course_angle_rad.is_some(),
             "no limit on the angle to the path: it may turn round",
         ),
@@ -68,7 +72,7 @@ mod tests {
                     .map(|spec| spec.controller)
             };
             assert!(missing(&settings(Preset::Hardened)?).is_empty());
-            assert_eq!(missing(&settings(Preset::Thesis)?).len(), 10);
+            assert_eq!(missing(&settings(Preset::Thesis)?).len(), 11);
         }
         let mut settings = Testbed::Khepera
             .scenario("on-off", Preset::Hardened)?

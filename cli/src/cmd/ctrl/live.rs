@@ -317,16 +317,6 @@ pub(crate) fn check(report: &LiveReport) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Where a robot can have left its lane unseen, nobody knows whether it was safe.
-pub(crate) fn check_seen(report: &LiveReport) -> anyhow::Result<()> {
-    if !report.seen_enough {
-        anyhow::bail!(
-            "whether it was safe is not known: a robot was never seen, or unseen for longer than its commands needed to the edge of its lane"
-        );
-    }
-    Ok(())
-}
-
 /// Rows of the table of figures.
 pub(crate) fn rows(report: &LiveReport, row: &mut impl FnMut(&str, String, &str)) {
     let deadlines = &report.deadlines;

@@ -125,13 +125,15 @@ fn again_text(replay: &Replay) -> String {
 
 fn judged(replay: &Replay) -> String {
     let verdict = match (replay.verdict, replay.first_unsafe_s) {
-        (Verdict::Safe, _) => "the run was safe".to_owned(),
-        (_, Some(time_s)) => format!("the run was UNSAFE from {time_s:.2} s on"),
-        (_, None) => "whether the run was safe is not known".to_owned(),
+        (Verdict::Safe, _) => "the robots were safe at the steps of the log".to_owned(),
+        (_, Some(time_s)) => format!("the robots were UNSAFE from {time_s:.2} s on"),
+        (_, None) => {
+            "whether the robots were safe is not known: the log has no place of any".to_owned()
+        }
     };
     match &replay.least_distance {
         Some(least) => format!(
-            "{verdict}; bodies were {} mm apart at least",
+            "{verdict}; there bodies were {} mm apart at least",
             number(1e3 * least.gap_m, 1)
         ),
         None => verdict,

@@ -126,15 +126,14 @@ impl Ended {
     fn outcome(&self) -> anyhow::Result<Outcome> {
         if let Some(live) = &self.live {
             live::check(live)?;
-            if self.summary.verdict == Verdict::NotKnown {
-                live::check_seen(live)?;
-            }
         }
         match self.summary.verdict {
             Verdict::Safe => Ok(Outcome::Done),
             Verdict::Unsafe => Ok(Outcome::Negative),
             Verdict::NotKnown => {
-                anyhow::bail!("whether the robots were safe is not known: too little was seen")
+                anyhow::bail!(
+                    "whether it was safe is not known: a robot was never seen, or unseen for longer than its commands needed to the edge of its lane"
+                )
             }
         }
     }

@@ -352,7 +352,8 @@ impl<'a> Drive<'a> {
         let ahead = ahead.filter(|ahead| own.stamp_s - ahead.stamp_s <= BESIDE_S);
         let ahead = ahead.map(|ahead| ahead.pose.state(offset_m, Speeds::ZERO));
         let state = own.pose.state(offset_m, speeds);
-        let safety = self.scenario.controller().safety(&state, ahead.as_ref());
+        let controller = self.scenario.controller();
+        let safety = controller.safety_behind(&state, ahead.as_ref());
         Some(Truth { state, safety })
     }
 

@@ -52,8 +52,9 @@ fn degrees(own: &StampedPose) -> Option<Problem> {
 }
 
 fn heading(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
-    let path = scenario.controller().path();
-    let foot = path.nearest(own.pose.x_m, own.pose.y_m);
+    let controller = scenario.controller();
+    let state = own.pose.state(controller.body().offset_m, Speeds::ZERO);
+    let foot = controller.foot(&state);
     let off_rad = wrapped(own.pose.heading_rad - foot.heading_rad());
     (off_rad.abs() > MOST_COURSE_RAD).then(|| {
         let problem = format!(

@@ -1,44 +1,18 @@
 //! CRC-32 (IEEE 802.3) of what was logged so far.
 
+use crc32fast::Hasher;
+
 use super::{Column, Values};
 
-/// Remainders of single bytes.
-const TABLE: [u32; 256] = table();
-
-const fn table() -> [u32; 256] {
-    let mut table = [0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        let mut rest = byte as u32;
-        let mut bit = 0;
-        while bit < 8 {
-            let odd = rest & 1;
-            rest = (rest >> 1) ^ (0xedb8_8320 * odd);
-            bit += 1;
-        }
-        table[byte] = rest;
-        byte += 1;
-    }
-    table
-}
-
 /// The check of all fields so far.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Check(u32);
-
-impl Default for Check {
-    fn default() -> Self {
-        Self(u32::MAX)
-    }
-}
+#[derive(Debug, Clone, Default)]
+pub(super) struct Check(Hasher);
 
 impl Check {
     /// Fields are told apart by a comma after each.
     pub(super) fn add(&mut self, field: &[u8]) {
-        for byte in field.iter().chain(b",") {
-            let [low, ..] = self.0.to_le_bytes();
-            self.0 = TABLE[usize::from(low ^ byte)] ^ (self.0 >> 8);
-        }
+        self.0.update(field);
+        self.0.update(b",");
     }
 
     /// Of the names and values of columns, bit for bit but for NaNs.
@@ -56,8 +30,8 @@ impl Check {
     }
 
     /// As it stands in files. The word keeps other programs from taking it for a number.
-    pub(super) fn text(self) -> String {
-        format!("crc {:08x}", !self.0)
+    pub(super) fn text(&self) -> String {
+        format!("crc {:08x}", self.0.clone().finalize())
     }
 }
 

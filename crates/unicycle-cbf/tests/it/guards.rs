@@ -315,3 +315,23 @@ proptest! {
         prop_assert_eq!(predictor.at(newer), Some(pose));
     }
 }
+
+/// A leader that laps comes up from behind: then it is not the one that is followed, and a short chord to it is no headway.
+#[test]
+fn a_robot_more_than_half_a_lap_ahead_is_not_followed() {
+    let controller = hardened();
+    let at = |share: f64| {
+        let length_m = controller.path().length_m().unwrap();
+        let point = controller.path().at(share * length_m);
+        State {
+            x_m: point.x_m,
+            y_m: point.y_m,
+            heading_rad: point.heading_rad(),
+            ..State::ORIGIN
+        }
+    };
+    for (ahead, is_followed) in [(0.2, true), (0.45, true), (0.55, false), (0.97, false)] {
+        let safety = controller.safety_behind(&at(0.0), Some(&at(ahead)));
+        assert_eq!(safety.headway_m.is_some(), is_followed, "{ahead}");
+    }
+}
