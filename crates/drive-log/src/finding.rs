@@ -95,6 +95,8 @@ pub enum FindingKind {
     Held,
     /// Values in coarse steps.
     Quantised,
+    /// Values that scatter from one sample to the next.
+    Noise,
     /// Discharge recorded as negative current.
     CurrentSign,
     /// Too short to be a drive.
@@ -148,6 +150,7 @@ impl fmt::Display for FindingKind {
             FindingKind::Contradicted => "contradicted",
             FindingKind::Held => "held",
             FindingKind::Quantised => "quantised",
+            FindingKind::Noise => "noise",
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
