@@ -91,6 +91,12 @@ pub enum FindingKind {
     Pinned,
     /// More power than the battery delivers.
     Contradicted,
+    /// Values repeated in rows until the sensor gives the next one.
+    Held,
+    /// Values in coarse steps.
+    Quantised,
+    /// Values that scatter from one sample to the next.
+    Noise,
     /// Discharge recorded as negative current.
     CurrentSign,
     /// Too short to be a drive.
@@ -110,6 +116,8 @@ pub enum Action {
     Removed,
     /// The values were interpolated from their neighbours.
     Interpolated,
+    /// The values were smoothed.
+    Smoothed,
     /// The drive was cut there.
     Split,
     /// The samples were put in order.
@@ -140,6 +148,9 @@ impl fmt::Display for FindingKind {
             FindingKind::AltitudeOutlier => "altitude outlier",
             FindingKind::Pinned => "pinned",
             FindingKind::Contradicted => "contradicted",
+            FindingKind::Held => "held",
+            FindingKind::Quantised => "quantised",
+            FindingKind::Noise => "noise",
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
@@ -154,6 +165,7 @@ impl fmt::Display for Action {
             Action::Kept => "kept",
             Action::Removed => "removed",
             Action::Interpolated => "interpolated",
+            Action::Smoothed => "smoothed",
             Action::Split => "split",
             Action::Sorted => "sorted",
             Action::Dropped => "dropped",

@@ -28,6 +28,11 @@ const ROUNDING_STEPS: f64 = 1.5;
 const OUTLIER_DEVIATIONS: f64 = 5.0;
 const OUTLIER_M: f64 = 5.0;
 
+/// Noise of the elevation may add this much to the slope, standard deviation; where it would add more, the window is widened, to at
+/// most so many bandwidths.
+const SLOPE_DEVIATION: f64 = 0.002;
+const WIDEST_BANDWIDTHS: f64 = 10.0;
+
 /// Standard deviation of a normal distribution over the median of its magnitude.
 const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
@@ -47,7 +52,8 @@ const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 ///
 /// Elevations in steps are read as what they are: where a rounded value changes to the next, the road is halfway between the
 /// two; where a value was held and then jumps, only the first sample of the hold was measured. Outliers, more than 5 m and
-/// five standard deviations off a first fit, are left out of a second one.
+/// five standard deviations off a first fit, are left out of a second one. Where elevations scatter so that the slope would be
+/// off by more than 0.002 (standard deviation), the window is widened, to at most 10 `b`.
 ///
 /// - `distance_m`: distance since the start, within ±10⁹ m, never decreasing.
 /// - `elevation_m`: elevation at the same samples. Values that are not finite or beyond ±10⁵ m
@@ -73,6 +79,7 @@ pub fn slope_from_elevation(
         .filter(|(_, elevation_m)| elevation_m.abs() <= ELEVATION_LIMIT_M)
         .collect();
     let points = without_outliers(unstepped(&valid), bandwidth_m);
+    let bandwidth_m = widened_m(&points, bandwidth_m);
     let profile = Profile::new(points.into_iter());
     let gradients = profile.gradients(distance_m, bandwidth_m);
     Ok(gradients.map(f64::atan).collect())
@@ -233,15 +240,45 @@ fn without_outliers(mut points: Vec<(f64, f64)>, bandwidth_m: f64) -> Vec<(f64, 
         .zip(&points)
         .map(|(smooth_m, (_, elevation_m))| smooth_m.map_or(0.0, |h| (elevation_m - h).abs()))
         .collect();
-    let middle = off_m.len() / 2;
-    let mut sorted = off_m.clone();
-    if middle < sorted.len() {
-        let median_m = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let limit_m = (OUTLIER_DEVIATIONS * DEVIATION_PER_MEDIAN * median_m).max(OUTLIER_M);
-        let mut off_m = off_m.into_iter();
-        points.retain(|_| off_m.next().is_some_and(|off_m| off_m <= limit_m));
-    }
+    let median_m = median(off_m.clone());
+    let limit_m = (OUTLIER_DEVIATIONS * DEVIATION_PER_MEDIAN * median_m).max(OUTLIER_M);
+    let mut off_m = off_m.into_iter();
+    points.retain(|_| off_m.next().is_some_and(|off_m| off_m <= limit_m));
     points
+}
+
+/// The bandwidth at which noise of the points leaves the slope to [`SLOPE_DEVIATION`]. A straight line through points of spacing
+/// `d` and deviation `σ` over a length `L` has a gradient of deviation `σ √(12 d/L³)`.
+fn widened_m(points: &[(f64, f64)], bandwidth_m: f64) -> f64 {
+    let off_m: Vec<f64> = points.windows(3).filter_map(off_neighbours_m).collect();
+    let spacing_m = match (points.first(), points.last()) {
+        (Some(first), Some(last)) if !off_m.is_empty() => (last.0 - first.0) / off_m.len() as f64,
+        _ => return bandwidth_m,
+    };
+    let deviation_m = DEVIATION_PER_MEDIAN * median(off_m);
+    let length_m = (12.0 * spacing_m * (deviation_m / SLOPE_DEVIATION).powi(2)).cbrt();
+    (0.5 * length_m).clamp(bandwidth_m, WIDEST_BANDWIDTHS * bandwidth_m)
+}
+
+/// How far the middle one of three points lies off the line through the others, for noise of the same deviation, m; `None` where
+/// they do not follow each other.
+fn off_neighbours_m(points: &[(f64, f64)]) -> Option<f64> {
+    let [(from_m, before), (at_m, here), (to_m, after)] = points else {
+        return None;
+    };
+    let share = (at_m - from_m) / (to_m - from_m);
+    let off_m = here - (before + share * (after - before));
+    let scale = (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt();
+    (at_m > from_m && to_m > at_m).then(|| (off_m / scale).abs())
+}
+
+/// The upper one of the two for an even number; 0 of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Piecewise linear elevation over distance; both count from the first valid sample, against

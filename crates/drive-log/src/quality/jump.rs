@@ -35,6 +35,13 @@ const STEEPEST: f64 = 0.35;
 const ALTITUDE_SPIKE_M: f64 = 5.0;
 const ALTITUDE_BLOCK_M: f64 = 40.0;
 
+/// An elevation that scatters by more is noisy, m, and only what is this many standard deviations off is an outlier.
+const NOISY_M: f64 = 2.0;
+const OUTLIER_DEVIATIONS: f64 = 5.0;
+
+/// Standard deviation of a normal distribution over the median of its magnitude.
+const DEVIATION_PER_MEDIAN: f64 = 1.4826;
+
 /// Longest stretch that counts as an outlier of altitude, s: longer, it may be a hill.
 const ALTITUDE_BLOCK_S: f64 = 60.0;
 
@@ -144,6 +151,10 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
     let Some(elevation_m) = checked.values(Channel::Elevation).map(<[f64]>::to_vec) else {
         return;
     };
+    let scatter_m = scatter_m(&elevation_m);
+    report_noise(checked, elevation_m.len(), scatter_m);
+    let spike_m = ALTITUDE_SPIKE_M.max(OUTLIER_DEVIATIONS * scatter_m);
+    let block_m = ALTITUDE_BLOCK_M.max(OUTLIER_DEVIATIONS * scatter_m);
     let distance_m = checked.distance_m();
     let time_s = checked.log.time_s().to_vec();
     let mut before: Option<usize> = None;
@@ -156,8 +167,8 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
         if let Some(p) = before {
             let jump_m = (elevation_m[i] - elevation_m[p]).abs()
                 - STEEPEST * (distance_m[i] - distance_m[p]);
-            if jump_m > ALTITUDE_SPIKE_M && time_s[i] - time_s[p] <= NEIGHBOURS_S {
-                let longest_s = if jump_m > ALTITUDE_BLOCK_M {
+            if jump_m > spike_m && time_s[i] - time_s[p] <= NEIGHBOURS_S {
+                let longest_s = if jump_m > block_m {
                     ALTITUDE_BLOCK_S
                 } else {
                     SPIKE_S
@@ -168,7 +179,7 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
                 if let Some(end) = end {
                     remove_block(checked, i..end, detail);
                     i = end;
-                } else if jump_m > ALTITUDE_BLOCK_M {
+                } else if jump_m > block_m {
                     let range = i - 1..i + 1;
                     checked.report(
                         FindingKind::AltitudeOutlier,
@@ -182,6 +193,29 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
         }
         before = Some(i);
         i += 1;
+    }
+}
+
+/// Standard deviation of the difference of two elevations that follow each other, as noise makes it, m.
+fn scatter_m(elevation_m: &[f64]) -> f64 {
+    let steps_m = elevation_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let steps_m: Vec<f64> = steps_m.filter(|step_m| step_m.is_finite()).collect();
+    DEVIATION_PER_MEDIAN * super::held::quantile(steps_m, 0.5).unwrap_or(0.0)
+}
+
+fn report_noise(checked: &mut Checked, samples: usize, scatter_m: f64) {
+    let deviation_m = scatter_m / std::f64::consts::SQRT_2;
+    if deviation_m > NOISY_M {
+        let detail = format!(
+            "scatters by {deviation_m:.1} m (standard deviation); the slope is taken over longer windows"
+        );
+        checked.report(
+            FindingKind::Noise,
+            Channel::Elevation,
+            &(0..samples),
+            Action::Kept,
+            detail,
+        );
     }
 }
 

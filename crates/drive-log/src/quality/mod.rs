@@ -5,7 +5,9 @@
 
 mod frozen;
 mod heating;
+mod held;
 mod jump;
+mod quantised;
 mod range;
 mod sign;
 mod time;
@@ -57,6 +59,7 @@ pub fn check(log: RawLog) -> Checked {
     time::repair(&mut checked);
     range::report_missing(&mut checked);
     range::remove(&mut checked);
+    held::collapse(&mut checked);
     sign::flip_current(&mut checked);
     frozen::remove_speed(&mut checked);
     frozen::remove_elevation(&mut checked);
@@ -67,6 +70,7 @@ pub fn check(log: RawLog) -> Checked {
     heating::drop_pinned(&mut checked);
     heating::drop_contradicted(&mut checked);
     heating::take_request(&mut checked);
+    quantised::smooth_speed(&mut checked);
     let log = &mut checked.log;
     log.channels.retain(|channel, values| {
         *channel == Channel::Speed || values.iter().any(|v| v.is_finite())

@@ -10,6 +10,7 @@
 
 mod bad_input;
 mod heating;
+mod held;
 mod layouts;
 mod quality;
 mod real_data;

@@ -1,0 +1,181 @@
+//! Values repeated in faster rows, and speeds in coarse steps.
+
+use drive_log::{
+    Action, Channel, Checked, Drive, FindingKind, Preparation, RawLog, check, prepare,
+};
+
+use crate::{raw, ten_hertz};
+
+const LEN: usize = 6000;
+
+/// A drive with stops, pulls of all strengths and a little noise, m/s at 10 Hz.
+fn speed_mps() -> Vec<f64> {
+    let wave = |f: f64, i: usize| (i as f64 * f).sin();
+    (0..LEN)
+        .map(|i| {
+            let v = 9.0 + 9.0 * wave(0.011, i) + 4.0 * wave(0.037, i) + 0.02 * wave(1.9, i);
+            v.max(0.0)
+        })
+        .collect()
+}
+
+/// Each value repeated for `rows` rows.
+fn held(values: &[f64], rows: usize) -> Vec<f64> {
+    (0..values.len()).map(|i| values[i - i % rows]).collect()
+}
+
+/// To the nearest multiple of a step.
+fn rounded(values: &[f64], step: f64) -> Vec<f64> {
+    values.iter().map(|v| (v / step).round() * step).collect()
+}
+
+fn log(speed: Vec<f64>) -> RawLog {
+    raw(ten_hertz(speed.len()), [(Channel::Speed, speed)])
+}
+
+fn kinds(checked: &Checked) -> Vec<FindingKind> {
+    checked
+        .findings
+        .iter()
+        .map(|finding| finding.kind)
+        .collect()
+}
+
+fn drive(speed: Vec<f64>) -> Drive {
+    prepare(log(speed), &Preparation::default()).unwrap()
+}
+
+/// Work of speeding up, J/kg.
+fn work_jpkg(drive: &Drive) -> f64 {
+    let speed = drive.pieces[0].speed_mps();
+    speed
+        .windows(2)
+        .map(|v| 0.5 * (v[1].powi(2) - v[0].powi(2)).max(0.0))
+        .sum()
+}
+
+fn root_mean_square(drive: &Drive, truth: &Drive) -> f64 {
+    let (a, b) = (&drive.pieces[0].accel_mps2(), &truth.pieces[0].accel_mps2());
+    let sum: f64 = a.iter().zip(b.iter()).map(|(a, b)| (a - b).powi(2)).sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+#[test]
+fn values_of_every_rate_that_are_held_in_faster_rows_are_collapsed() {
+    let truth = drive(speed_mps());
+    for rows in [2, 5, 10, 20] {
+        let checked = check(log(held(&speed_mps(), rows)));
+        assert_eq!(kinds(&checked), [FindingKind::Held], "{rows} rows");
+        assert_eq!(checked.findings[0].action, Action::Interpolated);
+        let collapsed = drive(held(&speed_mps(), rows));
+        let work = work_jpkg(&collapsed) / work_jpkg(&truth);
+        assert!((0.97..1.01).contains(&work), "{rows} rows: {work}");
+    }
+}
+
+#[test]
+fn a_held_speed_is_the_truth_at_its_updates() {
+    let checked = check(log(held(&speed_mps(), 10)));
+    let collapsed = checked.log.channel(Channel::Speed).unwrap();
+    for i in (0..LEN).step_by(10) {
+        assert_eq!(collapsed[i].to_bits(), speed_mps()[i].to_bits(), "{i}");
+    }
+}
+
+#[test]
+fn updates_that_rows_at_irregular_times_see_late_are_found() {
+    let (truth, mut time_s, mut speed) = (speed_mps(), Vec::new(), Vec::new());
+    let mut at = 0;
+    for k in 0..2000 {
+        time_s.push(at as f64 * 0.1);
+        speed.push(truth[at - at % 10]);
+        at += 1 + (k * 7919) % 5;
+        if at >= LEN {
+            break;
+        }
+    }
+    let checked = check(raw(time_s, [(Channel::Speed, speed)]));
+    assert!(
+        kinds(&checked).contains(&FindingKind::Held),
+        "{:?}",
+        checked.findings
+    );
+}
+
+#[test]
+fn every_channel_is_looked_at_by_itself() {
+    let current: Vec<f64> = (0..LEN).map(|i| 60.0 * (i as f64 * 0.05).sin()).collect();
+    let log = raw(
+        ten_hertz(LEN),
+        [
+            (Channel::Speed, speed_mps()),
+            (Channel::BatteryCurrent, held(&current, 5)),
+        ],
+    );
+    let checked = check(log);
+    assert_eq!(kinds(&checked), [FindingKind::Held]);
+    assert_eq!(checked.findings[0].channel, "battery_current");
+    assert_eq!(checked.log.channel(Channel::Speed).unwrap(), speed_mps());
+}
+
+#[test]
+fn values_that_change_by_themselves_are_not_held() {
+    let limit: Vec<f64> = (0..LEN).map(|i| [13.9, 27.8, 8.3][i / 700 % 3]).collect();
+    let heating: Vec<f64> = (0..LEN).map(|i| [0.0, 800.0, 1500.0][i / 50 % 3]).collect();
+    let charge: Vec<f64> = (0..LEN).map(|i| 80.0 - (i / 60) as f64 * 0.1).collect();
+    let log = raw(
+        ten_hertz(LEN),
+        [
+            (Channel::Speed, speed_mps()),
+            (Channel::SpeedLimit, limit),
+            (Channel::HeatingPower, heating),
+            (Channel::StateOfCharge, charge),
+        ],
+    );
+    assert_eq!(check(log).findings, []);
+}
+
+#[test]
+fn a_rounded_speed_is_smoothed_within_half_a_step() {
+    for step_mps in [1.0 / 3.6, 0.5 / 3.6, 0.44704] {
+        let recorded = rounded(&speed_mps(), step_mps);
+        let checked = check(log(recorded.clone()));
+        assert_eq!(kinds(&checked), [FindingKind::Quantised], "{step_mps}");
+        let smooth = checked.log.channel(Channel::Speed).unwrap();
+        let furthest = smooth
+            .iter()
+            .zip(&recorded)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        assert!(furthest <= 0.5 * step_mps + 1e-9, "{furthest}");
+
+        let (truth, smoothed) = (drive(speed_mps()), drive(recorded));
+        let work = work_jpkg(&smoothed) / work_jpkg(&truth);
+        assert!((0.99..1.01).contains(&work), "{step_mps}: {work}");
+        let error = root_mean_square(&smoothed, &truth);
+        assert!(error < 0.15, "{step_mps}: {error}");
+    }
+}
+
+#[test]
+fn a_rounded_standstill_stands_still() {
+    let mut speed = speed_mps();
+    speed[2000..2300].fill(0.0);
+    let recorded = rounded(&speed, 1.0 / 3.6);
+    let checked = check(log(recorded));
+    let smooth = checked.log.channel(Channel::Speed).unwrap();
+    assert!(smooth[2060..2240].iter().all(|v| *v == 0.0));
+    assert!(smooth.iter().all(|v| *v >= 0.0));
+}
+
+#[test]
+fn a_rounded_speed_that_is_held_is_both() {
+    let recorded = held(&rounded(&speed_mps(), 1.0 / 3.6), 10);
+    let checked = check(log(recorded));
+    assert_eq!(kinds(&checked)[0], FindingKind::Held);
+}
+
+#[test]
+fn a_speed_in_fine_steps_is_left_alone() {
+    assert_eq!(check(log(rounded(&speed_mps(), 0.01 / 3.6))).findings, []);
+}
