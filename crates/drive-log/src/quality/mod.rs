@@ -3,12 +3,21 @@
 //! Thresholds come from the limits of road vehicles and their sensors; each is given with its reason
 //! where it is used.
 
+mod accelerometer;
 mod frozen;
 mod heating;
 mod jump;
+mod limit_unit;
+mod motion;
+mod power;
 mod range;
+mod sentinel;
 mod sign;
+mod speed_unit;
+mod statistics;
 mod time;
+mod time_unit;
+mod unit_change;
 
 use std::ops::Range;
 
@@ -54,10 +63,20 @@ pub fn check(log: RawLog) -> Checked {
         findings,
         cuts: Vec::new(),
     };
+    time_unit::convert(&mut checked);
     time::repair(&mut checked);
     range::report_missing(&mut checked);
-    range::remove(&mut checked);
+    // a unit tells before the range does, in which another unit may leave no more than a part
+    range::remove(&mut checked, |channel| !channel.is_motion());
     sign::flip_current(&mut checked);
+    sentinel::remove_speed(&mut checked);
+    unit_change::convert(&mut checked);
+    limit_unit::convert(&mut checked);
+    speed_unit::convert(&mut checked);
+    range::remove(&mut checked, Channel::is_motion);
+    sentinel::remove_limits(&mut checked);
+    sentinel::remove_gaps(&mut checked);
+    accelerometer::mend(&mut checked);
     frozen::remove_speed(&mut checked);
     frozen::remove_elevation(&mut checked);
     jump::cut_speed(&mut checked);
@@ -114,14 +133,21 @@ impl Checked {
         time_s[range.end - 1] - time_s[range.start]
     }
 
-    /// Distance driven up to each sample, m. A step over 2 s counts as 2 s, a missing speed as
-    /// standstill: never more than was driven.
+    /// Distance driven up to each sample, m. A speed counts until the next, for 2 s at most.
     fn distance_m(&self) -> Vec<f64> {
         let (time_s, speed_mps) = (self.log.time_s(), self.log.speed_mps());
         let mut distance_m = vec![0.0; time_s.len()];
+        let (mut known, mut known_m) = (0, 0.0);
         for i in 1..time_s.len() {
-            let step_m = speed_mps[i - 1].abs() * (time_s[i] - time_s[i - 1]).min(2.0);
-            distance_m[i] = distance_m[i - 1] + if step_m.is_finite() { step_m } else { 0.0 };
+            if speed_mps[i - 1].is_finite() {
+                (known, known_m) = (i - 1, distance_m[i - 1]);
+            }
+            let step_m = speed_mps[known].abs() * (time_s[i] - time_s[known]).min(2.0);
+            distance_m[i] = if step_m.is_finite() {
+                known_m + step_m
+            } else {
+                known_m
+            };
         }
         distance_m
     }
