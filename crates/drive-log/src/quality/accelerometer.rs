@@ -10,21 +10,28 @@ use crate::{Action, Channel, FindingKind};
 /// its speed meanwhile, m/s² (root mean square).
 const SECONDS: usize = 60;
 const MOVING_MPS: f64 = 1.0;
+
+/// A second with more than this holds a jump of the recorded speed, m/s².
+const JUMP_MPS2: f64 = 11.0;
 const LIVELY_MPS2: f64 = 0.3;
 
 /// An accelerometer along the car follows `dv/dt`, with a correlation of 0.93 and more in 33 trips
-/// of a BMW i3; a factor is told above this one.
+/// of a BMW i3; a factor is told above the first figure, and below the second it feels something
+/// else.
 const FOLLOWS: f64 = 0.7;
+const UNRELATED: f64 = 0.3;
 
 /// Tolerance of a factor, on top of three standard errors: 33 trips of a BMW i3 have 0.95 to 1.06.
 const TOLERANCE: f64 = 0.15;
 const ERRORS: f64 = 3.0;
 
 /// The largest delay that is looked for, and the least that is one, s: buses and filters delay by
-/// 0.2 s. It must raise the share of the variance that is explained by this.
+/// 0.2 s. Without the delay, so many times less of the variance must be unexplained, and this share
+/// of it besides.
 const LONGEST_DELAY_S: f64 = 3.0;
 const LEAST_DELAY_S: f64 = 0.35;
-const GAIN: f64 = 0.1;
+const LESS: f64 = 2.0;
+const GAIN: f64 = 0.02;
 
 /// An offset beyond this is one of the mounting, m/s²: 1.7 degrees. Trips of a BMW i3 have up to
 /// 0.06. Without a known road, the steepest mean gradient of a drive is added.
@@ -42,7 +49,7 @@ pub(super) fn mend(checked: &mut Checked) {
     }
     let spans: Vec<Span> = spans(&checked.log)
         .into_iter()
-        .filter(|span| span.speed_mps > MOVING_MPS)
+        .filter(|span| span.speed_mps > MOVING_MPS && span.accel_mps2.abs() < JUMP_MPS2)
         .collect();
     let lively = mean(spans.iter().map(|span| span.accel_mps2.powi(2)));
     if spans.len() < SECONDS || lively.is_none_or(|square| square < LIVELY_MPS2.powi(2)) {
@@ -78,7 +85,7 @@ fn shift(checked: &mut Checked, spans: &[Span]) {
         if r.is_nan() { 0.0 } else { r * r }
     };
     let now = explained(0);
-    if now > 1.0 - GAIN {
+    if 1.0 - now < GAIN {
         return;
     }
     let Some((late, then)) = (-most..=most)
@@ -88,7 +95,10 @@ fn shift(checked: &mut Checked, spans: &[Span]) {
         return;
     };
     let delay_s = late as f64 * step_s;
-    if then < FOLLOWS * FOLLOWS || then - now < GAIN || delay_s.abs() < LEAST_DELAY_S {
+    if then < FOLLOWS * FOLLOWS
+        || 1.0 - now < GAIN + LESS * (1.0 - then)
+        || delay_s.abs() < LEAST_DELAY_S
+    {
         return;
     }
     let detail = format!(
@@ -110,17 +120,26 @@ fn shift(checked: &mut Checked, spans: &[Span]) {
 }
 
 /// Turns and scales to m/s² along the car, or drops the channel. Whether it is still there.
+///
+/// Noise of the speed lowers the share of `dv/dt` that is felt, noise of the accelerometer does not;
+/// of the inverse it is the other way round. The truth is between the two.
 fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
     let pairs = pairs(checked, spans, 0);
     let (r, share) = (correlation(&pairs), slope(&pairs));
+    if pairs.len() < SECONDS || r.is_nan() {
+        return true;
+    }
     let error = share.abs() * ((1.0 / (r * r) - 1.0) / pairs.len() as f64).sqrt();
-    if pairs.len() < SECONDS || (share - 1.0).abs() <= TOLERANCE + ERRORS * error || r.is_nan() {
+    let margin = TOLERANCE + ERRORS * error;
+    let may_be_one = share <= 1.0 + margin && share / (r * r) >= 1.0 - margin;
+    let is_related = r + ERRORS / (pairs.len() as f64).sqrt() > UNRELATED;
+    if may_be_one && is_related {
         return true;
     }
     let figures = format!("{share:.3} of dv/dt at a correlation of {r:.2}");
     let factor = [1.0, GRAVITY_MPS2, 1.0 / GRAVITY_MPS2]
         .into_iter()
-        .find(|factor| near(share.abs() * factor, 1.0, TOLERANCE))
+        .find(|factor| near((share / r).abs() * factor, 1.0, TOLERANCE))
         .filter(|_| r.abs() >= FOLLOWS);
     if let Some(factor) = factor {
         rescale(checked, factor.copysign(share), &figures);

@@ -39,11 +39,16 @@ pub struct Checked {
 ///
 /// | what | sign | repair |
 /// |---|---|---|
+/// | unit of time | no speed changes like this | scaled where one unit is possible, else refused |
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | missing values | | none |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
-/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below | flipped |
+/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; dropped where the road is not known, or the sign was not recorded |
+/// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
+/// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept |
+/// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |
+/// | accelerometer | late, in g, turned around, off level | shifted or scaled; dropped where it does not follow the speed |
 /// | frozen speed | constant over 0.5 m/s for 10 s (90 s where the speed often repeats) with two of acceleration, torque, voltage and current; for 60 s alone (kept after 300 s where the speed often repeats) | removed with all that froze |
 /// | frozen elevation | constant, and not 0, over 5 km | removed |
 /// | splice | speed jumps by more than 10 m/s² · Δt + 1 m/s; state of charge by 1.5 % | cut; kept where the state of charge jumps alone |

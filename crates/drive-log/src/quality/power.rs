@@ -1,5 +1,7 @@
 //! What car a battery power belongs to.
 
+use std::fmt;
+
 use super::motion::Span;
 use crate::{Channel, RawLog};
 
@@ -19,13 +21,35 @@ const AIR_KG_PER_M3: f64 = 1.2;
 /// the speed, m/s, it may be a bicycle.
 const MASS_KG: (f64, f64) = (200.0, 40_000.0);
 const DRAG_AREA_M2: (f64, f64) = (0.25, 10.0);
+
+/// A car with the drag of no car is at least this light, if its speed is what is wrong, kg.
+const SLIM_KG: f64 = 500.0;
 const BICYCLE_MPS: f64 = 20.0;
+
+/// Over this mass, kg, only tractors are as slow, m/s, and as sluggish, m/s².
+const LORRY_KG: f64 = 6000.0;
+const LORRY_MPS: f64 = 12.0;
+const LORRY_MPS2: f64 = 0.7;
+
+/// Passenger cars, losses of the drive included: 1486 to 1974 kg in 33 trips of a BMW i3.
+const MASS: Usual = Usual(1700.0, 0.4);
+const DRAG_AREA: Usual = Usual(0.65, 0.5);
 
 /// Standard errors that a figure must be off; they are of samples that hang together.
 const ERRORS: f64 = 10.0;
 
 /// Share of the variance of the power that a car must explain to be told.
 const EXPLAINED: f64 = 0.5;
+
+/// What is usual: a middle, and the logarithm of a usual factor off it.
+pub(super) struct Usual(pub(super) f64, pub(super) f64);
+
+impl Usual {
+    /// How many usual factors a value is off the middle; far off for what is not positive.
+    pub(super) fn off(&self, value: f64) -> f64 {
+        (value.max(1e-3 * self.0) / self.0).ln() / self.1
+    }
+}
 
 /// A second: speed, acceleration and battery power.
 pub(super) struct Load {
@@ -59,7 +83,7 @@ pub(super) fn loads(log: &RawLog, spans: &[Span]) -> Vec<Load> {
 
 impl Load {
     /// Fits `P = P₀ + m v (dv/dt + 0.1) + ½ ρ A v³` where the car does not brake, the speeds being
-    /// `k` times too large.
+    /// `k` times too large. `None` where the seconds do not tell.
     pub(super) fn fit(loads: &[Self], k: f64) -> Option<Car> {
         let rows: Vec<([f64; 3], f64)> = loads
             .iter()
@@ -87,25 +111,50 @@ impl Load {
         }
         let error = |i: usize| (rest / n * inverse[i][i]).sqrt();
         let area = 2.0 / AIR_KG_PER_M3;
-        Some(Car {
+        let car = Car {
             mass_kg: fitted[1],
             drag_area_m2: area * fitted[2],
             mass_error_kg: error(1),
             drag_error_m2: area * error(2),
-        })
+        };
+        (car.mass_kg > ERRORS * car.mass_error_kg).then_some(car)
     }
 }
 
 impl Car {
-    /// Whether such a car may be, at this speed.
-    pub(super) fn is_possible(&self, top_mps: f64) -> bool {
+    /// Whether such a car may be, at this speed and acceleration.
+    pub(super) fn is_possible(&self, top_mps: f64, pull_mps2: f64) -> bool {
         let mass = ERRORS * self.mass_error_kg;
         let drag = ERRORS * self.drag_error_m2;
         let too_light = top_mps > BICYCLE_MPS && self.mass_kg + mass < MASS_KG.0;
-        let too_slim = top_mps > BICYCLE_MPS && self.drag_area_m2 + drag < DRAG_AREA_M2.0;
+        let too_slim = top_mps > BICYCLE_MPS
+            && self.mass_kg + mass < SLIM_KG
+            && self.drag_area_m2 + drag < DRAG_AREA_M2.0;
         let too_large =
             self.mass_kg - mass > MASS_KG.1 || self.drag_area_m2 - drag > DRAG_AREA_M2.1;
-        !(too_light || too_slim || too_large)
+        let too_slow =
+            self.mass_kg - mass > LORRY_KG && top_mps < LORRY_MPS && pull_mps2 < LORRY_MPS2;
+        !(too_light || too_slim || too_large || too_slow)
+    }
+
+    /// How far it is off a passenger car, in usual factors; the drag area may be off by its error.
+    pub(super) fn oddity(&self) -> f64 {
+        let error = ERRORS * self.drag_error_m2;
+        let nearest_m2 = DRAG_AREA
+            .0
+            .max(self.drag_area_m2 - error)
+            .min(self.drag_area_m2 + error);
+        MASS.off(self.mass_kg).hypot(DRAG_AREA.off(nearest_m2))
+    }
+}
+
+impl fmt::Display for Car {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mass_kg, drag_area_m2) = (self.mass_kg, self.drag_area_m2);
+        write!(
+            f,
+            "a car of {mass_kg:.0} kg with a drag area of {drag_area_m2:.2} m²"
+        )
     }
 }
 

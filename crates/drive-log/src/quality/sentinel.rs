@@ -28,37 +28,43 @@ const COARSE_STEP_M: f64 = 5.0;
 
 /// A gap that stays the same to the last bit in motion is not measured, s: two cars never keep it for
 /// so long. Faster than this, m/s, is motion.
-const STEADY_GAP_S: f64 = 30.0;
+const STEADY_GAP_S: f64 = 60.0;
 const MOVING_MPS: f64 = 2.0;
 
 /// No country has a limit over 160 km/h; the rest is a code for none or unknown, m/s.
 pub(super) const HIGHEST_LIMIT_MPS: f64 = 45.0;
 
-/// What a code does where it begins and ends.
+/// How the runs of a value begin and end, and whether one is longer than a spike.
 #[derive(Default)]
 struct Ends {
     jumps: usize,
     all: usize,
-    runs: Vec<Range<usize>>,
+    is_long: bool,
 }
 
-/// Removes codes from the speed: the same value for seconds, entered and left by jumps. Of a value
-/// in the middle of the range, standstill above all, only what lies between two jumps.
+/// Removes codes from the speed: an extreme that stays for seconds, entered and left by jumps,
+/// wherever it is; of any other value, standstill above all, only what lies between two jumps.
 pub(super) fn remove_speed(checked: &mut Checked) {
     let possible = |step_s: f64| TYRE_LIMIT_MPS2 * step_s + COARSE_STEP_MPS;
-    for (value, ends) in codes(checked, Channel::Speed, possible) {
-        let samples = if value == 0.0 || !is_extreme(checked, Channel::Speed, value) {
-            ends.runs
-                .into_iter()
-                .filter(|run| jumps(checked, Channel::Speed, run, possible).0 == 2)
-                .flatten()
-                .collect()
-        } else {
-            samples_of(checked, Channel::Speed, value)
-        };
-        let what = format!("{value:.4} m/s, entered or left by jumps that no car makes");
-        remove(checked, Channel::Speed, &samples, &what);
+    for value in codes(checked, Channel::Speed, possible) {
+        if value != 0.0 && is_extreme(checked, Channel::Speed, value) {
+            let samples = samples_of(checked, Channel::Speed, value);
+            remove_jumped(checked, &samples, value);
+        }
     }
+    let runs: Vec<Range<usize>> = constant_runs(checked.log.speed_mps())
+        .filter(|run| is_long(checked, run))
+        .filter(|run| jumps(checked, Channel::Speed, run, possible).0 == 2)
+        .collect();
+    for run in runs {
+        let value = checked.log.speed_mps()[run.start];
+        remove_jumped(checked, &run.collect::<Vec<usize>>(), value);
+    }
+}
+
+fn remove_jumped(checked: &mut Checked, samples: &[usize], value_mps: f64) {
+    let what = format!("{value_mps:.4} m/s, entered or left by jumps that no car makes");
+    remove(checked, Channel::Speed, samples, &what);
 }
 
 /// Removes gaps to nothing: of exactly 0, which is bumper to bumper, and an extreme that is entered
@@ -70,10 +76,7 @@ pub(super) fn remove_gaps(checked: &mut Checked) {
     let zeros = samples_of(checked, Channel::LeadGap, 0.0);
     remove_gap(checked, &zeros, "0 m: no car ahead");
     let possible = |step_s: f64| CLOSING_MPS * step_s + COARSE_STEP_M;
-    let mut values: Vec<f64> = codes(checked, Channel::LeadGap, possible)
-        .into_iter()
-        .map(|(value, _)| value)
-        .collect();
+    let mut values = codes(checked, Channel::LeadGap, possible);
     values.extend(steady_gaps(checked));
     for value in values {
         if is_extreme(checked, Channel::LeadGap, value) {
@@ -102,11 +105,7 @@ pub(super) fn remove_limits(checked: &mut Checked) {
 }
 
 /// Values that stay for longer than a spike and whose runs are entered and left by jumps.
-fn codes(
-    checked: &Checked,
-    channel: Channel,
-    possible: impl Fn(f64) -> f64 + Copy,
-) -> Vec<(f64, Ends)> {
+fn codes(checked: &Checked, channel: Channel, possible: impl Fn(f64) -> f64 + Copy) -> Vec<f64> {
     let Some(values) = checked.values(channel) else {
         return Vec::new();
     };
@@ -116,21 +115,17 @@ fn codes(
         let ends = found.entry(values[run.start].to_bits()).or_default();
         ends.jumps += jumps;
         ends.all += all;
-        ends.runs.push(run);
+        ends.is_long |= is_long(checked, &run);
     }
-    let is_code = |ends: &Ends| {
-        ends.jumps >= JUMPS
-            && 2 * ends.jumps >= ends.all
-            && ends
-                .runs
-                .iter()
-                .any(|run| run.len() >= CODE_SAMPLES && checked.duration_s(run) >= CODE_S)
-    };
     found
         .into_iter()
-        .filter(|(_, ends)| is_code(ends))
-        .map(|(bits, ends)| (f64::from_bits(bits), ends))
+        .filter(|(_, ends)| ends.is_long && ends.jumps >= JUMPS && 2 * ends.jumps >= ends.all)
+        .map(|(bits, _)| f64::from_bits(bits))
         .collect()
+}
+
+fn is_long(checked: &Checked, run: &Range<usize>) -> bool {
+    run.len() >= CODE_SAMPLES && checked.duration_s(run) >= CODE_S
 }
 
 /// Of the ends of a run, how many are jumps beyond what is possible, and how many have a neighbour.

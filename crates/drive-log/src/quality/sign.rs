@@ -38,8 +38,7 @@ pub(super) fn flip_current(checked: &mut Checked) {
     if let Some(detail) = runs_against(checked, &spans) {
         flip(checked, detail);
     } else if let Some(detail) = has_no_sign(checked, &spans) {
-        report(checked, Action::Dropped, detail);
-        checked.log.channels.remove(&Channel::BatteryCurrent);
+        drop_current(checked, detail);
     } else {
         judge_energy(checked, &spans);
     }
@@ -102,11 +101,11 @@ fn judge_energy(checked: &mut Checked, spans: &[Span]) {
             checked,
             format!("{detail} at a mean gradient of {:.1} %", 100.0 * gradient),
         ),
-        None => report(
-            checked,
-            Action::Kept,
-            format!("{detail}: downhill, or the sign is wrong; turn it with sign = -1 in a layout"),
-        ),
+        None => {
+            let cure = "give elevation or slope, or turn the sign with sign = -1 in a layout";
+            let detail = format!("{detail}: downhill, or the sign is wrong; {cure}");
+            drop_current(checked, detail);
+        }
     }
 }
 
@@ -128,6 +127,11 @@ fn gradient(checked: &Checked, spans: &[Span], distance_m: f64) -> Option<f64> {
     let (first, last) = (spans.first()?, spans.last()?);
     let head_m = (last.speed_mps.powi(2) - first.speed_mps.powi(2)) / (2.0 * GRAVITY_MPS2);
     Some(mean_gradient(&checked.log, spans)? + head_m / distance_m)
+}
+
+fn drop_current(checked: &mut Checked, detail: String) {
+    report(checked, Action::Dropped, detail);
+    checked.log.channels.remove(&Channel::BatteryCurrent);
 }
 
 fn flip(checked: &mut Checked, detail: String) {

@@ -26,10 +26,10 @@ const WINDOW: usize = 10;
 const CRASH_MPS2: f64 = 20.0;
 
 /// A car that stops and reaches this speed, m/s, changes it by more than this in a hundredth of its
-/// samples, m/s²: it would take five minutes to 9 m/s.
+/// samples, m/s²: it would take three minutes to 9 m/s.
 const STOPPED_MPS: f64 = 1.0;
 const DRIVING_MPS: f64 = 8.0;
-const CRAWL_MPS2: f64 = 0.03;
+const CRAWL_MPS2: f64 = 0.05;
 
 /// What a hundredth of the samples exceeds in traffic, m/s², and steps of recorders, s.
 const TRAFFIC_MPS2: (f64, f64) = (0.4, 8.0);
@@ -112,10 +112,10 @@ fn stops_and_drives(speeds: &[(f64, f64)]) -> bool {
     at(0.02).is_some_and(|v| v < STOPPED_MPS) && at(0.9).is_some_and(|v| v > DRIVING_MPS)
 }
 
-/// Whether a step is a whole number of milliseconds, as recorders have it.
+/// Whether a step is a whole number of seconds or a whole part of one, as recorders have it.
 fn is_round(step_s: f64) -> bool {
-    let steps_ms = step_s * 1e3;
-    (steps_ms - steps_ms.round()).abs() <= 0.01 * steps_ms.min(1.0)
+    let count = step_s.max(1.0 / step_s);
+    (count - count.round()).abs() <= 0.01 * count
 }
 
 fn report(checked: &mut Checked, action: Action, detail: String) {

@@ -8,7 +8,7 @@ use crate::{Action, Channel, FindingKind};
 
 /// Samples further apart are not compared, s; slower than this, a factor is noise, m/s.
 const NEIGHBOURS_S: f64 = 2.0;
-const MOVING_MPS: f64 = 1.5;
+const MOVING_MPS: f64 = 3.0;
 
 /// A jump on top of what the speed does before and after it: one that a car may make, and one that
 /// it does not make on its own, m/s², besides what a coarse sensor adds, m/s.
@@ -18,43 +18,50 @@ const COARSE_STEP_MPS: f64 = 0.5;
 
 /// How exactly a factor must explain a jump: within this share of the speed, times the logarithm of
 /// the factor.
-const EXPLAINED: f64 = 0.15;
+const EXPLAINED: f64 = 0.1;
 
-/// A sample whose speed is a factor of the one before.
+/// Share of all jumps that one factor must explain: satellite receivers jump by any.
+const SHARE: f64 = 0.8;
+
+/// A jump of the speed.
 #[derive(Clone, Copy)]
 struct Edge {
     at: usize,
-    /// Index of the factor by which the speed rises.
-    mistake: usize,
+    /// Index of the factor between two units by which the speed rises, if it does by one.
+    mistake: Option<usize>,
     is_strong: bool,
 }
 
-/// Converts stretches between two jumps by a factor between units and back; reports a jump by such a
-/// factor that is not undone.
+/// Converts stretches between two jumps by a factor between units and back; reports the only jump of a
+/// recording if it is by such a factor.
 pub(super) fn convert(checked: &mut Checked) {
     let edges = edges(checked);
-    let (pairs, single) = paired(&edges);
-    let known: Vec<usize> = pairs
-        .iter()
-        .filter(|(from, to)| from.is_strong && to.is_strong)
-        .map(|(from, _)| from.mistake)
-        .collect();
-    let stretches: Vec<(Range<usize>, usize)> = pairs
-        .iter()
-        .filter(|(from, _)| known.contains(&from.mistake))
-        .map(|(from, to)| (from.at..to.at, from.mistake))
-        .collect();
-    let inside: usize = stretches.iter().map(|(range, _)| range.len()).sum();
-    let is_minor = 2 * inside < checked.log.len();
-    for (range, mistake) in stretches {
-        convert_stretch(checked, range, mistake, is_minor);
+    if let [edge] = edges.as_slice() {
+        report_single(checked, *edge);
     }
-    for edge in single.into_iter().filter(|edge| edge.is_strong) {
-        report_single(checked, edge);
+    let pairs = paired(&edges);
+    let Some(mistake) = pairs
+        .iter()
+        .find(|(from, to)| from.is_strong && to.is_strong)
+        .and_then(|(from, _)| from.mistake)
+    else {
+        return;
+    };
+    let stretches: Vec<Range<usize>> = pairs
+        .iter()
+        .filter(|(from, _)| from.mistake == Some(mistake))
+        .map(|(from, to)| from.at..to.at)
+        .collect();
+    if (2 * stretches.len()) as f64 >= SHARE * edges.len() as f64 {
+        let inside: usize = stretches.iter().map(Range::len).sum();
+        let is_minor = 2 * inside < checked.log.len();
+        for range in stretches {
+            convert_stretch(checked, range, MISTAKES[mistake].0, is_minor);
+        }
     }
 }
 
-/// The jumps by a factor between two units, in order.
+/// The jumps, in order.
 fn edges(checked: &Checked) -> Vec<Edge> {
     let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
     let valid: Vec<usize> = (0..speed_mps.len())
@@ -73,44 +80,56 @@ fn edge(around: &[usize], time_s: &[f64], speed_mps: &[f64]) -> Option<Edge> {
         return None;
     };
     let (from, to) = (speed_mps[before], speed_mps[after]);
-    if from.min(to) < MOVING_MPS {
+    let accel = |i: usize| {
+        let (one, next) = (around[i], around[i + 1]);
+        (speed_mps[next] - speed_mps[one]) / (time_s[next] - time_s[one])
+    };
+    let outer_mps = (speed_mps[before] - speed_mps[around[0]])
+        .abs()
+        .max((speed_mps[around[3]] - to).abs());
+    if (to - from).abs() <= outer_mps {
         return None;
     }
-    let accel = |i: usize| {
-        (speed_mps[around[i + 1]] - speed_mps[around[i]])
-            / (time_s[around[i + 1]] - time_s[around[i]])
-    };
     let step_s = time_s[after] - time_s[before];
+    let trend = (accel(0), accel(2));
     let off =
-        |factor: f64| (to / factor - from - 0.5 * step_s * (accel(0) + accel(2) / factor)).abs();
+        |factor: f64| (to / factor - from - 0.5 * step_s * (trend.0 + trend.1 / factor)).abs();
     let jump_mps = off(1.0);
-    let (mistake, (factor, _)) = MISTAKES
+    if jump_mps <= JUMP_MPS2 * step_s + COARSE_STEP_MPS {
+        return None;
+    }
+    let explains = |factor: f64| off(factor) <= EXPLAINED * from * factor.ln().abs();
+    let mistake = MISTAKES
         .iter()
         .enumerate()
-        .min_by(|(_, a), (_, b)| off(a.0).total_cmp(&off(b.0)))?;
-    let is_jump = jump_mps > JUMP_MPS2 * step_s + COARSE_STEP_MPS;
-    (is_jump && off(*factor) <= EXPLAINED * from * factor.ln().abs()).then_some(Edge {
+        .min_by(|(_, a), (_, b)| off(a.0).total_cmp(&off(b.0)))
+        .filter(|(_, (factor, _))| from.min(to) >= MOVING_MPS && explains(*factor))
+        .map(|(index, _)| index);
+    Some(Edge {
         at: after,
         mistake,
         is_strong: jump_mps > STRONG_MPS2 * step_s + COARSE_STEP_MPS,
     })
 }
 
-/// Edges that the next one undoes, and those that none does.
-fn paired(edges: &[Edge]) -> (Vec<(Edge, Edge)>, Vec<Edge>) {
+/// Jumps that the next one undoes.
+fn paired(edges: &[Edge]) -> Vec<(Edge, Edge)> {
     let (mut pairs, mut open) = (Vec::new(), Vec::<Edge>::new());
+    // the mistakes are in the order of their factors, so that inverses face each other
+    let undoes = |last: Option<usize>, next: Option<usize>| {
+        last.zip(next)
+            .is_some_and(|(last, next)| last + next + 1 == MISTAKES.len())
+    };
     for &edge in edges {
-        // the mistakes are in the order of their factors, so that inverses face each other
-        match open.pop_if(|last| last.mistake + edge.mistake + 1 == MISTAKES.len()) {
+        match open.pop_if(|last| undoes(last.mistake, edge.mistake)) {
             Some(last) => pairs.push((last, edge)),
             None => open.push(edge),
         }
     }
-    (pairs, open)
+    pairs
 }
 
-fn convert_stretch(checked: &mut Checked, range: Range<usize>, mistake: usize, is_minor: bool) {
-    let factor = MISTAKES[mistake].0;
+fn convert_stretch(checked: &mut Checked, range: Range<usize>, factor: f64, is_minor: bool) {
     let ends = format!(
         "{} samples between two jumps by the factor {factor:.4} between units",
         range.len()
@@ -128,7 +147,10 @@ fn convert_stretch(checked: &mut Checked, range: Range<usize>, mistake: usize, i
 }
 
 fn report_single(checked: &mut Checked, edge: Edge) {
-    let factor = MISTAKES[edge.mistake].0;
+    let Some(mistake) = edge.mistake.filter(|_| edge.is_strong) else {
+        return;
+    };
+    let factor = MISTAKES[mistake].0;
     let detail = format!(
         "speed jumps by the factor {factor:.4} between units and does not come back: if the unit changes here, cut the log"
     );

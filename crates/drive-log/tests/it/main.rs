@@ -11,6 +11,7 @@
 mod bad_input;
 mod heating;
 mod layouts;
+mod plausibility;
 mod quality;
 mod real_data;
 mod resample;
