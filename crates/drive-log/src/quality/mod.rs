@@ -44,7 +44,7 @@ pub struct Checked {
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | missing values | | none |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
-/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; dropped where the road is not known, or the sign was not recorded |
+/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
 /// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
 /// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept |
 /// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |

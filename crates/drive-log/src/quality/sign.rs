@@ -104,7 +104,7 @@ fn judge_energy(checked: &mut Checked, spans: &[Span]) {
         None => {
             let cure = "give elevation or slope, or turn the sign with sign = -1 in a layout";
             let detail = format!("{detail}: downhill, or the sign is wrong; {cure}");
-            drop_current(checked, detail);
+            report(checked, Action::Kept, detail);
         }
     }
 }

@@ -32,7 +32,7 @@ const DRIVING_MPS: f64 = 8.0;
 const CRAWL_MPS2: f64 = 0.05;
 
 /// What a hundredth of the samples exceeds in traffic, m/s², and steps of recorders, s.
-const TRAFFIC_MPS2: (f64, f64) = (0.4, 8.0);
+const TRAFFIC_MPS2: (f64, f64) = (0.4, 5.0);
 const STEP_S: (f64, f64) = (0.002, 10.0);
 
 /// Scales times to which no speed can change, or does; refuses them where the unit cannot be told.
@@ -112,10 +112,11 @@ fn stops_and_drives(speeds: &[(f64, f64)]) -> bool {
     at(0.02).is_some_and(|v| v < STOPPED_MPS) && at(0.9).is_some_and(|v| v > DRIVING_MPS)
 }
 
-/// Whether a step is a whole number of seconds or a whole part of one, as recorders have it.
+/// Whether a step is whole seconds or a whole part of one, in whole milliseconds, as recorders have
+/// it.
 fn is_round(step_s: f64) -> bool {
-    let count = step_s.max(1.0 / step_s);
-    (count - count.round()).abs() <= 0.01 * count
+    let is_whole = |count: f64| (count - count.round()).abs() <= 2e-3 * count;
+    is_whole(1e3 * step_s) && is_whole(step_s.max(1.0 / step_s))
 }
 
 fn report(checked: &mut Checked, action: Action, detail: String) {

@@ -17,8 +17,9 @@ const STRONG_MPS2: f64 = 4.0;
 const COARSE_STEP_MPS: f64 = 0.5;
 
 /// How exactly a factor must explain a jump: within this share of the speed, times the logarithm of
-/// the factor.
+/// the factor; one that is not undone, within the second.
 const EXPLAINED: f64 = 0.1;
+const EXPLAINED_ALONE: f64 = 0.03;
 
 /// Share of all jumps that one factor must explain: satellite receivers jump by any.
 const SHARE: f64 = 0.8;
@@ -30,6 +31,8 @@ struct Edge {
     /// Index of the factor between two units by which the speed rises, if it does by one.
     mistake: Option<usize>,
     is_strong: bool,
+    /// By how much the factor misses, over the speed and the logarithm of the factor.
+    off: f64,
 }
 
 /// Converts stretches between two jumps by a factor between units and back; reports the only jump of a
@@ -98,16 +101,17 @@ fn edge(around: &[usize], time_s: &[f64], speed_mps: &[f64]) -> Option<Edge> {
     if jump_mps <= JUMP_MPS2 * step_s + COARSE_STEP_MPS {
         return None;
     }
-    let explains = |factor: f64| off(factor) <= EXPLAINED * from * factor.ln().abs();
-    let mistake = MISTAKES
+    let share = |factor: f64| off(factor) / (from * factor.ln().abs());
+    let factors = MISTAKES
         .iter()
-        .enumerate()
-        .min_by(|(_, a), (_, b)| off(a.0).total_cmp(&off(b.0)))
-        .filter(|(_, (factor, _))| from.min(to) >= MOVING_MPS && explains(*factor))
-        .map(|(index, _)| index);
+        .map(|(factor, _)| share(*factor))
+        .enumerate();
+    let (nearest, share) = factors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let explains = from.min(to) >= MOVING_MPS && share <= EXPLAINED;
     Some(Edge {
         at: after,
-        mistake,
+        mistake: explains.then_some(nearest),
+        off: share,
         is_strong: jump_mps > STRONG_MPS2 * step_s + COARSE_STEP_MPS,
     })
 }
@@ -147,7 +151,10 @@ fn convert_stretch(checked: &mut Checked, range: Range<usize>, factor: f64, is_m
 }
 
 fn report_single(checked: &mut Checked, edge: Edge) {
-    let Some(mistake) = edge.mistake.filter(|_| edge.is_strong) else {
+    let Some(mistake) = edge
+        .mistake
+        .filter(|_| edge.is_strong && edge.off <= EXPLAINED_ALONE)
+    else {
         return;
     };
     let factor = MISTAKES[mistake].0;
