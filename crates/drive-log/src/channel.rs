@@ -97,6 +97,11 @@ impl Channel {
         Channel::ALL.into_iter().find(|c| c.key() == key)
     }
 
+    /// Whether it is a speed or an acceleration.
+    pub(crate) fn is_motion(&self) -> bool {
+        matches!(self.quantity(), Quantity::Speed | Quantity::Acceleration)
+    }
+
     pub(crate) fn quantity(self) -> Quantity {
         match self {
             Channel::Speed | Channel::SpeedLimit | Channel::LeadSpeed => Quantity::Speed,

@@ -326,6 +326,16 @@ pub enum Error {
         /// Longest gap that is bridged.
         max_gap_s: f64,
     },
+    /// What the recording says cannot be, and what it means cannot be told.
+    #[error("{log}: {channel}: {found}; `--raw` takes a uniform log as it is")]
+    Refused {
+        /// The log.
+        log: String,
+        /// The channel.
+        channel: String,
+        /// What is impossible, and what to do.
+        found: String,
+    },
     /// The grid would have too many samples.
     #[error(
         "{log}: {duration_s} s in steps of {step_s} s are more than {limit} samples; choose a longer step, or check the time column"

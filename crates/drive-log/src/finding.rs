@@ -103,6 +103,14 @@ pub enum FindingKind {
     TooShort,
     /// The file ends in the middle of a row.
     CutOff,
+    /// Values in another unit than their header says.
+    Unit,
+    /// A unit that changes within the recording.
+    UnitChange,
+    /// A sensor that is late, or early, against the speed.
+    Delay,
+    /// A sensor that is not mounted along the car, or not level.
+    Mounting,
 }
 
 /// What was done about a finding.
@@ -128,6 +136,12 @@ pub enum Action {
     SignFlipped,
     /// Another channel was taken in its place.
     Replaced,
+    /// The values were multiplied by a factor.
+    Scaled,
+    /// A constant was taken off the values or their times.
+    Shifted,
+    /// The recording is not used.
+    Refused,
 }
 
 impl fmt::Display for FindingKind {
@@ -154,6 +168,10 @@ impl fmt::Display for FindingKind {
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
+            FindingKind::Unit => "unit",
+            FindingKind::UnitChange => "unit change",
+            FindingKind::Delay => "delay",
+            FindingKind::Mounting => "mounting",
         })
     }
 }
@@ -171,6 +189,9 @@ impl fmt::Display for Action {
             Action::Dropped => "dropped",
             Action::SignFlipped => "sign flipped",
             Action::Replaced => "replaced",
+            Action::Scaled => "scaled",
+            Action::Shifted => "shifted",
+            Action::Refused => "refused",
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::log::positive;
 use crate::resample::{drives, uniform};
-use crate::{DriveLog, Error, Finding, RawLog, Smoothing, check};
+use crate::{Action, DriveLog, Error, Finding, RawLog, Smoothing, check};
 
 /// How a recording becomes drives. The default is the thesis's (section 3.4): 10 Hz, Hann window of
 /// 5 samples.
@@ -55,7 +55,8 @@ pub struct Drive {
 /// taken over exactly, so a log that is on the grid already passes unchanged.
 ///
 /// # Errors
-/// [`Error::Option`] for options without meaning, [`Error::NoPiece`] if no two valid samples are
+/// [`Error::Option`] for options without meaning, [`Error::Refused`] for a recording that cannot be
+/// true and does not say what it means, [`Error::NoPiece`] if no two valid samples are
 /// close enough, [`Error::TooManySamples`] for a grid that does not fit into memory; with `raw`,
 /// [`Error::NotUniform`].
 pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
@@ -77,6 +78,17 @@ pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
         });
     }
     let checked = check(log);
+    if let Some(finding) = checked
+        .findings
+        .iter()
+        .find(|f| f.action == Action::Refused)
+    {
+        return Err(Error::Refused {
+            log: name,
+            channel: finding.channel.clone(),
+            found: finding.detail.clone(),
+        });
+    }
     let (pieces, findings) = drives(checked, options)?;
     Ok(Drive {
         name,

@@ -3,14 +3,23 @@
 //! Thresholds come from the limits of road vehicles and their sensors; each is given with its reason
 //! where it is used.
 
+mod accelerometer;
 mod frozen;
 mod heating;
 mod held;
 mod jump;
+mod limit_unit;
+mod motion;
+mod power;
 mod quantised;
 mod range;
+mod sentinel;
 mod sign;
+mod speed_unit;
+mod statistics;
 mod time;
+mod time_unit;
+mod unit_change;
 
 use std::ops::Range;
 
@@ -32,11 +41,16 @@ pub struct Checked {
 ///
 /// | what | sign | repair |
 /// |---|---|---|
+/// | unit of time | no speed changes like this | scaled where one unit is possible, else refused |
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | missing values | | none |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
-/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below | flipped |
+/// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
+/// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
+/// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept |
+/// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |
+/// | accelerometer | late, in g, turned around, off level | shifted or scaled; dropped where it does not follow the speed |
 /// | frozen speed | constant over 0.5 m/s for 10 s (90 s where the speed often repeats) with two of acceleration, torque, voltage and current; for 60 s alone (kept after 300 s where the speed often repeats) | removed with all that froze |
 /// | frozen elevation | constant, and not 0, over 5 km | removed |
 /// | splice | speed jumps by more than 10 m/s² · Δt + 1 m/s; state of charge by 1.5 % | cut; kept where the state of charge jumps alone |
@@ -56,11 +70,21 @@ pub fn check(log: RawLog) -> Checked {
         findings,
         cuts: Vec::new(),
     };
+    time_unit::convert(&mut checked);
     time::repair(&mut checked);
     range::report_missing(&mut checked);
-    range::remove(&mut checked);
+    // a unit tells before the range does, in which another unit may leave no more than a part
+    range::remove(&mut checked, |channel| !channel.is_motion());
+    sentinel::remove_speed(&mut checked);
+    sentinel::remove_gaps(&mut checked);
     held::collapse(&mut checked);
     sign::flip_current(&mut checked);
+    unit_change::convert(&mut checked);
+    limit_unit::convert(&mut checked);
+    speed_unit::convert(&mut checked);
+    range::remove(&mut checked, Channel::is_motion);
+    sentinel::remove_limits(&mut checked);
+    accelerometer::mend(&mut checked);
     frozen::remove_speed(&mut checked);
     frozen::remove_elevation(&mut checked);
     jump::cut_speed(&mut checked);
@@ -118,14 +142,21 @@ impl Checked {
         time_s[range.end - 1] - time_s[range.start]
     }
 
-    /// Distance driven up to each sample, m. A step over 2 s counts as 2 s, a missing speed as
-    /// standstill: never more than was driven.
+    /// Distance driven up to each sample, m. A speed counts until the next, for 2 s at most.
     fn distance_m(&self) -> Vec<f64> {
         let (time_s, speed_mps) = (self.log.time_s(), self.log.speed_mps());
         let mut distance_m = vec![0.0; time_s.len()];
+        let (mut known, mut known_m) = (0, 0.0);
         for i in 1..time_s.len() {
-            let step_m = speed_mps[i - 1].abs() * (time_s[i] - time_s[i - 1]).min(2.0);
-            distance_m[i] = distance_m[i - 1] + if step_m.is_finite() { step_m } else { 0.0 };
+            if speed_mps[i - 1].is_finite() {
+                (known, known_m) = (i - 1, distance_m[i - 1]);
+            }
+            let step_m = speed_mps[known].abs() * (time_s[i] - time_s[known]).min(2.0);
+            distance_m[i] = if step_m.is_finite() {
+                known_m + step_m
+            } else {
+                known_m
+            };
         }
         distance_m
     }

@@ -72,9 +72,9 @@ pub(super) fn report_missing(checked: &mut Checked) {
     }
 }
 
-/// Removes values out of range, one finding per channel.
-pub(super) fn remove(checked: &mut Checked) {
-    for channel in Channel::ALL {
+/// Removes values out of range, one finding per channel, from the channels that `concerns` names.
+pub(super) fn remove(checked: &mut Checked, concerns: impl Fn(&Channel) -> bool) {
+    for channel in Channel::ALL.into_iter().filter(concerns) {
         let Some(values) = checked.values(channel) else {
             continue;
         };

@@ -1,76 +1,153 @@
 //! The sign of the battery current.
 
 use super::Checked;
+use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
+use super::statistics::{correlation, significance};
 use crate::{Action, Channel, FindingKind};
 
-/// Pairs of samples that a correlation needs, and the correlation that turns the sign: one minute
-/// of driving at 10 Hz, and power that explains a quarter of the variance. Trips with the right
-/// sign have +0.82 to +0.97 (33 trips of a BMW i3).
-const MIN_SAMPLES: usize = 600;
+/// The correlation that turns the sign, and the standard deviations that it must be off 0: power
+/// that explains a quarter of the variance, and not by chance. Trips with the right sign have +0.82
+/// to +0.97 (33 trips of a BMW i3).
 const FLIP_BELOW: f64 = -0.5;
+const CERTAIN_DEVIATIONS: f64 = 4.0;
 
-/// Seconds over which the acceleration is taken: less is noise, more blurs gear changes and
-/// regeneration.
-const SPAN_S: f64 = 1.0;
+/// A car this fast moves, m/s.
+const MOVING_MPS: f64 = 1.0;
+
+/// Braking that motors take part in, W/kg: 0.2 m/s² at 10 m/s.
+const BRAKING_W_PER_KG: f64 = -2.0;
+
+/// Distance over which an energy must be positive, m; the least that a car takes, J/m: the rolling
+/// resistance of 300 kg; and the descent that gives it back, as a gradient.
+const WHOLE_M: f64 = 1000.0;
+const LEAST_J_PER_M: f64 = 30.0;
+const DESCENT: f64 = 0.005;
 
 /// Flips a current that is negative while the car accelerates.
 ///
 /// `v·dv/dt` is the power of inertia per mass, which dominates the battery power of a drive in
 /// traffic; their correlation is positive where discharge is positive.
 pub(super) fn flip_current(checked: &mut Checked) {
-    let Some(current_a) = checked.values(Channel::BatteryCurrent) else {
+    if checked.values(Channel::BatteryCurrent).is_none() {
         return;
-    };
-    let voltage_v = checked.values(Channel::BatteryVoltage);
-    let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
-    let mut pairs = Vec::new();
-    let mut from = 0;
-    for to in 0..time_s.len() {
-        while from < to && time_s[to] - time_s[from + 1] >= SPAN_S {
-            from += 1;
-        }
-        let span_s = time_s[to] - time_s[from];
-        if !(SPAN_S * 0.99..SPAN_S * 3.0).contains(&span_s) {
-            continue;
-        }
-        let middle = usize::midpoint(from, to);
-        let inertia = speed_mps[middle] * (speed_mps[to] - speed_mps[from]) / span_s;
-        let battery = current_a[middle] * voltage_v.map_or(1.0, |v| v[middle]);
-        if inertia.is_finite() && battery.is_finite() && speed_mps[middle] > 1.0 {
-            pairs.push((inertia, battery));
-        }
     }
+    let spans: Vec<Span> = spans(&checked.log)
+        .into_iter()
+        .filter(|span| span.speed_mps > MOVING_MPS)
+        .collect();
+    if let Some(detail) = runs_against(checked, &spans) {
+        flip(checked, detail);
+    } else if let Some(detail) = has_no_sign(checked, &spans) {
+        drop_current(checked, detail);
+    } else {
+        judge_energy(checked, &spans);
+    }
+}
+
+/// Pairs of inertia and battery power.
+fn pairs<'a>(checked: &Checked, spans: impl IntoIterator<Item = &'a Span>) -> Vec<(f64, f64)> {
+    let pair = |span: &Span| Some((span.inertia(), span.battery(&checked.log)?));
+    spans.into_iter().filter_map(pair).collect()
+}
+
+/// The correlation that says that a current has the wrong sign.
+fn runs_against(checked: &Checked, spans: &[Span]) -> Option<String> {
+    let pairs = pairs(checked, spans);
     let r = correlation(&pairs);
-    if pairs.len() < MIN_SAMPLES || r > FLIP_BELOW || r.is_nan() {
+    (r <= FLIP_BELOW && significance(r, pairs.len()) <= -CERTAIN_DEVIATIONS).then(|| {
+        let seconds = pairs.len();
+        format!("battery power and v·dv/dt correlate with {r:.2} over {seconds} seconds in motion")
+    })
+}
+
+/// What says that a current was recorded without its sign: none is below 0, and yet it is the larger
+/// the harder the car brakes.
+fn has_no_sign(checked: &Checked, spans: &[Span]) -> Option<String> {
+    let current_a = checked.values(Channel::BatteryCurrent)?;
+    if current_a.iter().any(|a| *a < 0.0) {
+        return None;
+    }
+    let braking = spans
+        .iter()
+        .filter(|span| span.inertia() < BRAKING_W_PER_KG);
+    let pairs = pairs(checked, braking);
+    let r = correlation(&pairs);
+    (r <= FLIP_BELOW && significance(r, pairs.len()) <= -CERTAIN_DEVIATIONS).then(|| {
+        let seconds = pairs.len();
+        format!(
+            "never below 0, and yet battery power and v·dv/dt correlate with {r:.2} over {seconds} seconds of braking: recorded without its sign; record charging as negative"
+        )
+    })
+}
+
+/// A drive takes energy, unless it goes downhill. Where it is known not to, the sign is wrong; where
+/// that is not known, it may be.
+fn judge_energy(checked: &mut Checked, spans: &[Span]) {
+    if checked.values(Channel::BatteryVoltage).is_none() {
         return;
     }
-    let samples = 0..time_s.len();
+    let (energy_j, distance_m) = taken(checked, spans);
+    if distance_m < WHOLE_M || energy_j > -LEAST_J_PER_M * distance_m {
+        return;
+    }
     let detail = format!(
-        "battery power and v·dv/dt correlate with {r:.2} over {} samples",
-        pairs.len()
+        "{:.3} kWh measured over {:.2} km in motion",
+        energy_j / 3.6e6,
+        distance_m / 1e3
     );
+    match gradient(checked, spans, distance_m) {
+        Some(gradient) if gradient < -DESCENT => {}
+        Some(gradient) => flip(
+            checked,
+            format!("{detail} at a mean gradient of {:.1} %", 100.0 * gradient),
+        ),
+        None => {
+            let cure = "give elevation or slope, or turn the sign with sign = -1 in a layout";
+            let detail = format!("{detail}: downhill, or the sign is wrong; {cure}");
+            report(checked, Action::Kept, detail);
+        }
+    }
+}
+
+/// Energy that the battery gives in motion, J, and distance, m.
+fn taken(checked: &Checked, spans: &[Span]) -> (f64, f64) {
+    let known = spans.iter().filter_map(|span| {
+        Some((
+            span.battery(&checked.log)? * span.duration_s,
+            span.distance_m(),
+        ))
+    });
+    known.fold((0.0, 0.0), |sum, (energy_j, way_m)| {
+        (sum.0 + energy_j, sum.1 + way_m)
+    })
+}
+
+/// Mean gradient with the height that the change of speed is worth; `None` without a known road.
+fn gradient(checked: &Checked, spans: &[Span], distance_m: f64) -> Option<f64> {
+    let (first, last) = (spans.first()?, spans.last()?);
+    let head_m = (last.speed_mps.powi(2) - first.speed_mps.powi(2)) / (2.0 * GRAVITY_MPS2);
+    Some(mean_gradient(&checked.log, spans)? + head_m / distance_m)
+}
+
+fn drop_current(checked: &mut Checked, detail: String) {
+    report(checked, Action::Dropped, detail);
+    checked.log.channels.remove(&Channel::BatteryCurrent);
+}
+
+fn flip(checked: &mut Checked, detail: String) {
     if let Some(values) = checked.log.channels.get_mut(&Channel::BatteryCurrent) {
         values.iter_mut().for_each(|a| *a = -*a);
     }
+    report(checked, Action::SignFlipped, detail);
+}
+
+fn report(checked: &mut Checked, action: Action, detail: String) {
+    let samples = 0..checked.log.len();
     checked.report(
         FindingKind::CurrentSign,
         Channel::BatteryCurrent,
         &samples,
-        Action::SignFlipped,
+        action,
         detail,
     );
-}
-
-fn correlation(pairs: &[(f64, f64)]) -> f64 {
-    let n = pairs.len() as f64;
-    let (mean_x, mean_y) = pairs
-        .iter()
-        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (x, y) in pairs {
-        xx += (x - mean_x) * (x - mean_x);
-        yy += (y - mean_y) * (y - mean_y);
-        xy += (x - mean_x) * (y - mean_y);
-    }
-    xy / (xx * yy).sqrt()
 }

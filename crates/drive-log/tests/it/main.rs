@@ -12,6 +12,7 @@ mod bad_input;
 mod heating;
 mod held;
 mod layouts;
+mod plausibility;
 mod quality;
 mod real_data;
 mod resample;

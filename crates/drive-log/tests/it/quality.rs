@@ -348,8 +348,8 @@ fn a_current_of_the_wrong_sign() {
         flipped,
         traffic(6000).channel(Channel::BatteryCurrent).unwrap()
     ));
-    // a minute is not enough to tell
-    let short = changed(&traffic(300), Channel::BatteryCurrent, |a| {
+    // ten seconds are not enough to tell
+    let short = changed(&traffic(100), Channel::BatteryCurrent, |a| {
         a.iter_mut().for_each(|a| *a = -*a);
     });
     assert_eq!(check(short).findings, []);

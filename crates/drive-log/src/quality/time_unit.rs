@@ -1,0 +1,134 @@
+//! Times in another unit than their header says.
+
+use super::Checked;
+use super::statistics::quantile;
+use crate::prepare::median_step_s;
+use crate::{Action, Finding, FindingKind};
+
+/// Units that are taken for others, and the factor that puts the times right.
+const MISTAKES: [(f64, &str); 8] = [
+    (1e-6, "us read as s"),
+    (1e-3, "ms read as s, or us as ms"),
+    (1.0 / 3600.0, "s read as h"),
+    (1.0 / 60.0, "s read as min"),
+    (60.0, "min read as s"),
+    (1e3, "s read as ms"),
+    (3600.0, "h read as s"),
+    (1e6, "s read as us"),
+];
+
+/// Speeds that tell.
+const SAMPLES: usize = 100;
+
+/// Of windows of a hundredth of the log, and at least so many samples, a quarter changes the speed by
+/// more than this only in crashes, m/s².
+const WINDOW: usize = 10;
+const CRASH_MPS2: f64 = 20.0;
+
+/// A car that stops and reaches this speed, m/s, changes it by more than this in a hundredth of its
+/// samples, m/s²: it would take three minutes to 9 m/s.
+const STOPPED_MPS: f64 = 1.0;
+const DRIVING_MPS: f64 = 8.0;
+const CRAWL_MPS2: f64 = 0.05;
+
+/// What a hundredth of the samples exceeds in traffic, m/s², and steps of recorders, s.
+const TRAFFIC_MPS2: (f64, f64) = (0.4, 5.0);
+const STEP_S: (f64, f64) = (0.002, 10.0);
+
+/// Scales times to which no speed can change, or does; refuses them where the unit cannot be told.
+pub(super) fn convert(checked: &mut Checked) {
+    let time_s = checked.log.time_s();
+    let speeds: Vec<(f64, f64)> = time_s
+        .iter()
+        .zip(checked.log.speed_mps())
+        .filter(|(t, v)| t.is_finite() && v.is_finite())
+        .map(|(t, v)| (*t, *v))
+        .collect();
+    if speeds.len() < SAMPLES {
+        return;
+    }
+    let window = WINDOW.max(speeds.len() / 100);
+    let Some((crash_mps2, crawl_mps2)) = high(&speeds, window, 0.75).zip(high(&speeds, 1, 0.99))
+    else {
+        return;
+    };
+    let too_fast = crash_mps2 > CRASH_MPS2;
+    if !too_fast && !(crawl_mps2 < CRAWL_MPS2 && stops_and_drives(&speeds)) {
+        return;
+    }
+    let step_s = median_step_s(time_s);
+    let traffic_mps2 = if too_fast {
+        high(&speeds, window, 0.99)
+    } else {
+        Some(crawl_mps2)
+    };
+    let fits = |factor: f64| {
+        (STEP_S.0..=STEP_S.1).contains(&(step_s * factor))
+            && is_round(step_s * factor)
+            && traffic_mps2
+                .is_some_and(|a| (TRAFFIC_MPS2.0..=TRAFFIC_MPS2.1).contains(&(a / factor)))
+    };
+    let possible: Vec<(f64, &str)> = MISTAKES
+        .into_iter()
+        .filter(|(factor, _)| fits(*factor) && (*factor > 1.0) == too_fast)
+        .collect();
+    let why = if too_fast {
+        format!("the speed changes by over {crash_mps2:.0} m/s² for a quarter of the time")
+    } else {
+        format!(
+            "the car stops and drives, and its speed never changes by over {crawl_mps2:.1e} m/s²"
+        )
+    };
+    if let [(factor, unit)] = possible.as_slice() {
+        checked.log.time_s.iter_mut().for_each(|t| *t *= factor);
+        report(
+            checked,
+            Action::Scaled,
+            format!("{why}: {unit}, times multiplied by {factor}"),
+        );
+    } else {
+        let detail = format!("{why}; name the unit of the time in the header or a layout");
+        report(checked, Action::Refused, detail);
+    }
+}
+
+/// The change of speed over a number of samples that a share of the windows in motion stays below,
+/// m/s².
+fn high(speeds: &[(f64, f64)], window: usize, share: f64) -> Option<f64> {
+    let rates = (window..speeds.len()).filter_map(|i| {
+        let ((t0, v0), (t1, v1)) = (speeds[i - window], speeds[i]);
+        (t1 > t0 && v0.max(v1) > STOPPED_MPS).then(|| (v1 - v0).abs() / (t1 - t0))
+    });
+    quantile(&mut rates.collect::<Vec<f64>>(), share)
+}
+
+fn stops_and_drives(speeds: &[(f64, f64)]) -> bool {
+    let at = |share| {
+        quantile(
+            &mut speeds.iter().map(|(_, v)| *v).collect::<Vec<f64>>(),
+            share,
+        )
+    };
+    at(0.02).is_some_and(|v| v < STOPPED_MPS) && at(0.9).is_some_and(|v| v > DRIVING_MPS)
+}
+
+/// Whether a step is whole seconds or a whole part of one, in whole milliseconds, as recorders have
+/// it.
+fn is_round(step_s: f64) -> bool {
+    let is_whole = |count: f64| (count - count.round()).abs() <= 2e-3 * count;
+    is_whole(1e3 * step_s) && is_whole(step_s.max(1.0 / step_s))
+}
+
+fn report(checked: &mut Checked, action: Action, detail: String) {
+    let mut times = checked
+        .log
+        .time_s()
+        .iter()
+        .copied()
+        .filter(|t| t.is_finite());
+    let first_s = times.next().unwrap_or(0.0);
+    let span_s = (first_s, times.next_back().unwrap_or(first_s));
+    checked
+        .findings
+        .push(Finding::of_time(FindingKind::Unit, span_s, action, detail));
+}
