@@ -97,6 +97,14 @@ pub enum FindingKind {
     TooShort,
     /// The file ends in the middle of a row.
     CutOff,
+    /// Rows of the file that are none of the log: comments, a header again, a footer.
+    NoSample,
+    /// Words where numbers are expected.
+    NoNumber,
+    /// Times in a form that the header does not say, but their values do.
+    TimeFormat,
+    /// A column that is named as one of trips or vehicles, and holds measured values.
+    NoDivision,
 }
 
 /// What was done about a finding.
@@ -120,6 +128,8 @@ pub enum Action {
     SignFlipped,
     /// Another channel was taken in its place.
     Replaced,
+    /// The values were read in another form or unit.
+    Converted,
 }
 
 impl fmt::Display for FindingKind {
@@ -143,6 +153,10 @@ impl fmt::Display for FindingKind {
             FindingKind::CurrentSign => "current sign",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
+            FindingKind::NoSample => "no sample",
+            FindingKind::NoNumber => "no number",
+            FindingKind::TimeFormat => "time format",
+            FindingKind::NoDivision => "no division",
         })
     }
 }
@@ -159,6 +173,7 @@ impl fmt::Display for Action {
             Action::Dropped => "dropped",
             Action::SignFlipped => "sign flipped",
             Action::Replaced => "replaced",
+            Action::Converted => "converted",
         })
     }
 }
