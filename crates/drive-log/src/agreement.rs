@@ -15,10 +15,15 @@ pub(crate) struct Agreement {
 
 impl fmt::Display for Agreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let factor = if self.factor.abs() < 100.0 {
+            format!("{:.2}", self.factor)
+        } else {
+            "over 100".to_owned()
+        };
         write!(
             f,
-            "the second is {:.2} times the change of the first, correlation {:.2}",
-            self.factor, self.correlation
+            "the second is {factor} times the change of the first, correlation {:.2}",
+            self.correlation
         )
     }
 }

@@ -70,9 +70,10 @@ pub enum Error {
     },
     /// A row has another number of fields than the header, or another delimiter.
     #[error(
-        "{}, line {line}: {found} fields where {expected} are expected with the delimiter {delimiter:?}{}; \
+        "{}, line {line}: {} where {expected} are expected with the delimiter {delimiter:?}{}; \
          complete or delete the line, begin it with # where it is a comment, and use one delimiter throughout",
         path.display(),
+        if *found == 1 { "1 field".to_owned() } else { format!("{found} fields") },
         other.map_or(String::new(), |other| format!(" ({expected} with {other:?})"))
     )]
     Ragged {

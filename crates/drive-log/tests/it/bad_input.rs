@@ -84,7 +84,7 @@ fn millions_of_columns_fail_at_once() {
 fn ragged_rows() {
     message(
         "time_s,speed_mps\n0,1\n0.1\n",
-        &["line 3", "1 fields", "2 are expected"],
+        &["line 3", "1 field ", "2 are expected"],
     );
     message(
         "time_s,speed_mps\n0,1\n\n0.1,2,3\n",

@@ -9,12 +9,16 @@
 )]
 
 mod bad_input;
+mod divided;
 mod heating;
 mod layouts;
+mod odd_rows;
 mod quality;
 mod real_data;
 mod resample;
 mod roundtrip;
+mod shared_cases;
+mod times;
 
 use std::collections::BTreeMap;
 use std::path::Path;
