@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::body::Wanted;
 use crate::layout::{LogPlan, Plan, TimeColumns};
 use crate::note::Note;
+use crate::number::number;
 use crate::origin::{self, DriveRows};
 use crate::source::{Reading, Source, seconds};
 use crate::time_unit::check_scale;
@@ -26,7 +27,8 @@ pub(crate) fn logs(
     let (reading, read_as) = Reading::of(path, source, plan)?;
     notes.extend(read_as);
     let columns = wanted(plan, &reading);
-    let (values, words) = source.numbers(path, &columns, &plan.missing)?;
+    let (mut values, words) = source.numbers(path, &columns, &plan.missing)?;
+    remove_codes(&columns, &mut values, &plan.missing);
     notes.extend(words);
     let indices = columns.iter().map(|wanted| wanted.column);
     let file = File {
@@ -77,6 +79,20 @@ fn wanted(plan: &Plan, reading: &Reading) -> Vec<Wanted> {
     wanted.sort_by_key(|w| (w.column, w.channel));
     wanted.dedup_by_key(|w| w.column);
     wanted
+}
+
+/// Takes out numbers that the layout calls missing, `-99` say.
+fn remove_codes(columns: &[Wanted], values: &mut [Vec<f64>], missing: &[String]) {
+    let codes: Vec<f64> = missing.iter().filter_map(|word| number(word)).collect();
+    if codes.is_empty() {
+        return;
+    }
+    for (wanted, values) in columns.iter().zip(values) {
+        if wanted.channel.is_some() {
+            let coded = values.iter_mut().filter(|value| codes.contains(value));
+            coded.for_each(|value| *value = f64::NAN);
+        }
+    }
 }
 
 fn time_header(source: &Source<'_>, plan: &Plan) -> String {

@@ -39,8 +39,9 @@ pub fn read_file(path: &Path, layout: &LayoutChoice) -> Result<LogFile, Error> {
 
 /// Reads the bytes of a file as [`read_file`] does; `path` is for names and messages only.
 ///
-/// Empty cells, `NaN`, `NA`, `N/A`, `null`, `-` and infinities are missing values. Columns that the
-/// layout does not use are not looked at.
+/// Empty cells, `NaN`, `NA`, `N/A`, `null`, `-` and the like, and infinities are missing values.
+/// Columns that the layout does not use are not looked at, but for those that name a trip, a vehicle
+/// or a driver: they divide the file into logs.
 ///
 /// # Errors
 /// An [`Error`] for whatever is not a log: it names the line, the column and what was found. Never

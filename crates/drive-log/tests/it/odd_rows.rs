@@ -156,6 +156,15 @@ fn a_layout_declares_words_and_chooses_between_equal_headers() {
     let file = read(text, layout).unwrap();
     let speed = file.logs[0].channel(Channel::Speed).unwrap();
     assert!(speed[0] == 2.0 && speed[1].is_nan());
+    let coded = "missing = [\"-99\"]\ntime = { header = \"t\", unit = \"s\" }\n[channels]\n\
+                 speed = { header = \"v\", unit = \"m/s\" }\nelevation = { header = \"h\", unit = \"m\" }\n";
+    let file = read(
+        "t,v,h\n-99,1,-99\n-98,2,-98.5\n",
+        Layout::from_toml_str("mine", coded).unwrap(),
+    );
+    let log = &file.unwrap().logs[0];
+    let elevation = log.channel(Channel::Elevation).unwrap();
+    assert!(elevation[0].is_nan() && elevation[1] == -98.5 && log.time_s()[0] == -99.0);
     let by_name = "skip_lines = 1\ntime = { header = \"t\", unit = \"s\" }\n\
                    [channels]\nspeed = { header = \"speed\", unit = \"m/s\" }\n";
     let error = read(text, Layout::from_toml_str("mine", by_name).unwrap()).unwrap_err();
