@@ -128,7 +128,7 @@ pub(crate) fn divided(
         return (vec![all], notes);
     }
     let (groups, nameless) = groups(&columns);
-    notes.extend(left_out(nameless));
+    notes.extend(left_out(&nameless));
     let drives = groups
         .into_iter()
         .map(|rows| drive(&columns, &common, rows));
@@ -171,7 +171,7 @@ fn groups(columns: &[(String, Kinds)]) -> (Vec<Vec<usize>>, Vec<usize>) {
     (groups, nameless)
 }
 
-fn left_out(nameless: Vec<usize>) -> Option<Note> {
+fn left_out(nameless: &[usize]) -> Option<Note> {
     let first = nameless.first()? + 1;
     let detail = format!(
         "{} without a value in the columns that divide the file, first row {first}",

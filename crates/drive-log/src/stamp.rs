@@ -77,6 +77,8 @@ fn split_at_t(text: &str) -> String {
 struct Parts {
     date: Option<Date>,
     of_day_s: Option<f64>,
+    /// Whether the clock has seconds: `05:30` alone may be minutes and seconds.
+    has_seconds: bool,
     afternoon: Option<bool>,
     zone_s: Option<f64>,
     year: Option<u32>,
@@ -92,6 +94,7 @@ impl Parts {
             if end < token.len() {
                 set(&mut self.zone_s, zone_s(&token[end..])?)?;
             }
+            self.has_seconds = token[..end].matches(':').count() == 2;
             return set(&mut self.of_day_s, clock_s(&token[..end])?);
         }
         if let Some(month) = month_named(token) {
@@ -116,6 +119,7 @@ impl Parts {
             return set(&mut self.date, date);
         }
         if let Some(of_day_s) = packed_clock_s(token) {
+            self.has_seconds = true;
             return set(&mut self.of_day_s, of_day_s);
         }
         let value = digits(token)?;
@@ -132,6 +136,9 @@ impl Parts {
             (None, Some(year), Some(month), Some(day)) => Some(Date::Known(year, month, day)),
             _ => return None,
         };
+        if date.is_none() && !self.has_seconds {
+            return None;
+        }
         let of_day_s = match (self.of_day_s?, self.afternoon) {
             (clock_s, None) => clock_s,
             (clock_s, Some(afternoon)) if (3600.0..46_800.0).contains(&clock_s) => {
@@ -252,7 +259,7 @@ fn zone_s(text: &str) -> Option<f64> {
 
 /// The number of a day since the first of January of the year 1, if there is such a day.
 fn day_number(year: u32, month: u32, day: u32) -> Option<i64> {
-    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
     let february = if leap { 29 } else { 28 };
     let lengths = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
     let before: &[u32] = lengths.get(..month.checked_sub(1)? as usize)?;
@@ -336,16 +343,17 @@ mod tests {
             "1:00:-1",
             "01:00:00:00",
             "1:00:nan",
-            "13:00 PM",
-            "0:30 AM",
+            "1:30",
+            "13:00:00 PM",
+            "0:30:00 AM",
             "",
             "12.5",
-            "1:00 2:00",
+            "1:00:00 2:00:00",
             "tomorrow",
         ] {
             assert_eq!(stamp(text), None, "{text}");
         }
-        assert_eq!(stamp("12:30 AM").unwrap().of_day_s, 1800.0);
-        assert_eq!(stamp("12:30 PM").unwrap().of_day_s, 45_000.0);
+        assert_eq!(stamp("12:30:00 AM").unwrap().of_day_s, 1800.0);
+        assert_eq!(stamp("12:30:00 PM").unwrap().of_day_s, 45_000.0);
     }
 }

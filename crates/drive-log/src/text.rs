@@ -164,40 +164,46 @@ pub(crate) fn table<'a>(path: &Path, text: &'a [u8], form: Form) -> Result<Table
         Some(comma) => (Some(comma), true),
         None => sniffed_decimal_comma(&rows, delimiter),
     };
-    let (header_line, names) = top.header(&rows, delimiter, form.no_header);
-    let has_header = header_line.is_some();
-    let headers = names.unwrap_or_else(|| {
-        (1..=fields(&rows[0], delimiter).len())
-            .map(|column| format!("column {column}"))
-            .collect()
-    });
-    let skipped = header_line.map_or(top.rows[0].0 - 1, |(line, _)| line);
-    let (body, cut_off) = whole_rows(after_lines(text, skipped), delimiter, headers.len());
+    let header = top.header(&rows, delimiter, form.no_header);
+    let skipped = header
+        .as_ref()
+        .map_or(top.rows[0].0 - 1, |header| header.line);
+    let comments = top.comments_above(header.as_ref().map(|header| header.line));
+    let header_line = header.as_ref().map(|header| header.text);
+    let head = Head {
+        preamble: preamble(text, form.skip_lines),
+        has_header: header.is_some(),
+        line: header.as_ref().map_or(0, |header| header.line),
+        headers: header.map_or_else(
+            || numbered(fields(&rows[0], delimiter).len()),
+            |header| header.names,
+        ),
+    };
+    let (body, cut_off) = whole_rows(after_lines(text, skipped), delimiter, head.headers.len());
     if body.is_empty() {
         return Err(Error::NoData {
             path: path.to_owned(),
             found: "a header without rows",
         });
     }
-    let head = Head {
-        preamble: preamble(text, form.skip_lines),
-        headers,
-        has_header,
-        line: header_line.map_or(0, |(line, _)| line),
-    };
-    let comments = top.comments_above(header_line.map(|(line, _)| line));
     Ok(Table {
         head,
         delimiter,
         decimal_comma,
         mark_decided,
-        header_line: header_line.map(|(_, line)| line),
+        header_line,
         comments,
         body: Cow::Borrowed(body),
         first_line: skipped + 1,
         lines: None,
         cut_off,
     })
+}
+
+/// Names of columns without a header.
+fn numbered(columns: usize) -> Vec<String> {
+    let name = |column: usize| format!("column {column}");
+    (1..=columns).map(name).collect()
 }
 
 fn preamble(text: &[u8], lines_before: usize) -> Vec<String> {

@@ -8,6 +8,7 @@ use crate::layout::{Plan, TimeColumns};
 use crate::note::{About, Note, excerpt};
 use crate::number::{is_missing, number};
 use crate::text::{Table, decoded, fields, is_comment};
+use crate::top::names;
 use crate::unit::Unit;
 use crate::{Action, Error, FindingKind};
 
@@ -117,10 +118,11 @@ impl Columns {
 
     /// Whether a row has a time, or a place for one that is empty.
     fn has_time(&self, cells: &[&str]) -> bool {
+        let no_mark = |cell: &str| cell.is_empty() || cell.chars().any(|c| !"#/%".contains(c));
         self.time.iter().all(|column| {
             cells
                 .get(*column)
-                .is_some_and(|cell| is_missing(cell) || is_value(cell))
+                .is_some_and(|cell| is_missing(cell) && no_mark(cell) || is_value(cell))
         })
     }
 
@@ -155,24 +157,31 @@ fn is_value(cell: &str) -> bool {
 fn left_out(path: &Path, table: &Table<'_>, columns: &Columns) -> Result<Vec<LeftOut>, Error> {
     let mut left_out: Vec<LeftOut> = Vec::new();
     let mut last: VecDeque<(usize, usize, &[u8])> = VecDeque::with_capacity(FOOTER_ROWS + 1);
-    let mut samples = 0;
-    for (index, (line, text)) in table.rows().enumerate() {
-        let near_header = index == left_out.len() && index < DESCRIPTIONS;
+    let mut samples: usize = 0;
+    // descriptions so far under a header, `None` once a sample has come
+    let mut under_header = Some(0);
+    for (line, text) in table.rows() {
+        let near_header = under_header.is_some_and(|rows| rows < DESCRIPTIONS);
         let other = other(path, table, columns, (line, text), near_header)?;
-        match other {
-            Some(other) => left_out.push(LeftOut {
+        under_header = match other {
+            None => None,
+            Some(Other::HeaderAgain) => Some(0),
+            Some(Other::Description) => under_header.map(|rows| rows + 1),
+            Some(_) => under_header,
+        };
+        if let Some(other) = other {
+            left_out.push(LeftOut {
                 other,
                 line,
-                row: usize::saturating_sub(samples, 1),
+                row: samples.saturating_sub(1),
                 text: excerpt(&decoded(text)),
-            }),
-            None => {
-                last.push_back((line, samples, text));
-                samples += 1;
-                if last.len() > FOOTER_ROWS + 1 {
-                    last.pop_front();
-                }
-            }
+            });
+            continue;
+        }
+        last.push_back((line, samples, text));
+        samples += 1;
+        if last.len() > FOOTER_ROWS + 1 {
+            last.pop_front();
         }
     }
     left_out.extend(footer(table, columns, &last));
@@ -187,7 +196,7 @@ fn other(
     (line, text): (usize, &[u8]),
     near_header: bool,
 ) -> Result<Option<Other>, Error> {
-    if table.header_line.is_some_and(|header| header == text) {
+    if is_header(table, text) {
         return Ok(Some(Other::HeaderAgain));
     }
     let comment = is_comment(text);
@@ -204,6 +213,17 @@ fn other(
         return Ok(Some(Other::Description));
     }
     Ok(None)
+}
+
+/// Whether a row has the header's names. Rows of numbers are told by their first byte.
+fn is_header(table: &Table<'_>, text: &[u8]) -> bool {
+    let Some(header) = table.header_line else {
+        return false;
+    };
+    header == text
+        || header.first() == text.first()
+            && header.len().abs_diff(text.len()) < 4
+            && names(&fields(&decoded(text), table.delimiter)) == table.head.headers
 }
 
 /// A unit under the header must be that of the header.

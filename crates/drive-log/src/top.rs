@@ -23,6 +23,13 @@ pub(crate) struct Top<'a> {
     pub(crate) rows: Vec<(usize, &'a [u8])>,
 }
 
+/// The header of a table.
+pub(crate) struct HeaderLine<'a> {
+    pub(crate) line: usize,
+    pub(crate) text: &'a [u8],
+    pub(crate) names: Vec<String>,
+}
+
 impl<'a> Top<'a> {
     pub(crate) fn read(path: &Path, text: &'a [u8], form: Form) -> Result<Top<'a>, Error> {
         let mut top = Top {
@@ -60,41 +67,43 @@ impl<'a> Top<'a> {
         }
     }
 
-    /// The line and the names of the header: the first row unless it is numbers, or the comment
-    /// above numbers that has as many fields.
+    /// The header: the first row unless it is numbers, or the comment above numbers that has as many
+    /// fields.
     pub(crate) fn header(
         &self,
         rows: &[Cow<'_, str>],
         delimiter: u8,
         no_header: bool,
-    ) -> (Option<(usize, &'a [u8])>, Option<Vec<String>>) {
+    ) -> Option<HeaderLine<'a>> {
         let first = fields(&rows[0], delimiter);
         if no_header {
-            return (None, None);
+            return None;
         }
-        if let Some((line, names)) = self.commented_header(&first, delimiter) {
-            return (Some(line), Some(names));
-        }
-        if first.iter().all(|field| number(field).is_some()) {
-            return (None, None);
-        }
-        (Some(self.rows[0]), Some(names(&first)))
+        self.commented_header(&first, delimiter).or_else(|| {
+            let (line, text) = self.rows[0];
+            let numbers = first.iter().all(|field| number(field).is_some());
+            (!numbers).then(|| HeaderLine {
+                line,
+                text,
+                names: names(&first),
+            })
+        })
     }
 
-    fn commented_header(
-        &self,
-        first: &[&str],
-        delimiter: u8,
-    ) -> Option<((usize, &'a [u8]), Vec<String>)> {
-        let (line, comment) = *self.comments.last()?;
-        let text = decoded(comment);
-        let text = text.trim_start_matches(['#', '/', '%', '"', ' ']);
-        let fields = fields(text, delimiter);
+    fn commented_header(&self, first: &[&str], delimiter: u8) -> Option<HeaderLine<'a>> {
+        let (line, text) = *self.comments.last()?;
+        let comment = decoded(text);
+        let comment = comment.trim_start_matches(['#', '/', '%', '"', ' ']);
+        let fields = fields(comment, delimiter);
         let heads = fields.len() > 1
             && fields.len() == first.len()
             && first.iter().any(|field| number(field).is_some())
             && !fields.iter().any(|field| number(field).is_some());
-        heads.then(|| ((line, comment), names(&fields)))
+        heads.then(|| HeaderLine {
+            line,
+            text,
+            names: names(&fields),
+        })
     }
 
     pub(crate) fn comments_above(&self, header: Option<usize>) -> Option<(usize, usize, String)> {
@@ -108,7 +117,7 @@ impl<'a> Top<'a> {
 }
 
 /// Headers without the empty ones at the end.
-fn names(fields: &[&str]) -> Vec<String> {
+pub(crate) fn names(fields: &[&str]) -> Vec<String> {
     let mut names: Vec<String> = fields.iter().map(|field| (*field).to_owned()).collect();
     while names.last().is_some_and(String::is_empty) {
         names.pop();

@@ -39,6 +39,21 @@ fn rows_that_are_no_samples_are_left_out_and_named() {
         (lines(&[h, "s,km/h", a, b, c, d]), "describes the columns"),
         (lines(&[h, "[s],[km/h]", "-,gps", a, b, c, d]), "line 2"),
         (lines(&[h, a, b, h, c, d]), "1 repeated header"),
+        (
+            lines(&[h, a, b, "time_s, speed_kmh,", c, d]),
+            "1 repeated header",
+        ),
+        (
+            lines(&[
+                "time_s speed_kmh",
+                "0 36.5",
+                "# mark",
+                "1 37.5",
+                "2 38.5",
+                "3 39.5",
+            ]),
+            "1 comment",
+        ),
         (lines(&[h, a, b, c, d, "Total,4"]), "\"Total,4\" in line 6"),
         (
             lines(&[h, a, b, c, d, "", "Average,38", "End of log"]),
@@ -51,6 +66,20 @@ fn rows_that_are_no_samples_are_left_out_and_named() {
         assert_eq!(findings.len(), 1, "{text}");
         assert!(findings[0].detail.contains(word), "{findings:?}");
     }
+}
+
+/// Two files one behind the other, each with its header and units.
+#[test]
+fn units_under_a_repeated_header() {
+    let [a, b, c, d] = ROWS;
+    let (h, units) = ("time_s,speed_kmh", "s,km/h");
+    let log = log(lines(&[h, units, a, b, "# second", h, units, c, d]));
+    is_the_drive(&log, "joined");
+    let counts: Vec<char> = no_samples(log)
+        .iter()
+        .filter_map(|f| f.detail.chars().next())
+        .collect();
+    assert_eq!(counts, ['2', '1', '1'], "descriptions, a comment, a header");
 }
 
 #[test]

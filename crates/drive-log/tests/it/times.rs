@@ -154,6 +154,12 @@ fn what_cannot_be_told_is_refused_with_the_cure() {
             }),
             &["line 9", "\"noon\"", "HH:MM:SS"],
         ),
+        (
+            drive("time_s,speed_kmh", |i| {
+                format!("{:02}:{:02}", i / 60, i % 60)
+            }),
+            &["line 2", "\"00:00\""],
+        ),
     ] {
         let error = read(&text).unwrap_err().to_string();
         for word in words {
