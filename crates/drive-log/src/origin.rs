@@ -8,21 +8,18 @@ use crate::number::is_missing;
 use crate::{Action, FindingKind};
 
 /// Headers that name a trip, a vehicle or a driver, without marks between their words.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 11] = [
     "trip",
     "tripid",
     "tripno",
     "tripnumber",
-    "drive",
     "driveid",
     "vehicle",
     "vehicleid",
     "vehid",
-    "car",
     "carid",
     "driver",
     "driverid",
-    "drivername",
 ];
 
 /// From this many rows on, a column with another value in most of them names nothing.

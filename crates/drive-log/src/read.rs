@@ -139,7 +139,8 @@ fn check_derivative(path: &Path, head: &Head, plan: &Plan, logs: &[RawLog]) -> R
     let (Some(speed), Some(accel)) = (column(Channel::Speed), column(Channel::Accel)) else {
         return Ok(());
     };
-    let short = head.headers[speed.column].trim() == "v";
+    let named = |column: usize, name| head.headers[column].trim() == name;
+    let short = named(speed.column, "v") && named(accel.column, "a");
     if head.has_header && !short {
         return Ok(());
     }

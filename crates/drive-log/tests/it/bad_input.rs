@@ -285,7 +285,8 @@ proptest! {
             prop::sample::select(vec![
                 "time_s", "t", "v", "speed_kmh", "soc_pct", ",", ";", "\t", " ", "\n", "\r\n", "\n", "0", "0.1", "1", "-2.5", "1e9", "1,5",
                 "NaN", "inf", "\"", "x", "", "Time [s]", "Velocity [km/h]", "Date", "Time", "Speed", "12:00:00", "01/02/2021", "Vehicle_order",
-                "\u{feff}", "é",
+                "\u{feff}", "é", "trip", "vehicle", "timestamp", "date", "a", "# ", "//", "sep=;", "\r", "km/h", "48-40", "1.234", "1,234.5",
+                "3/4/2021", "29.03.2026", "2026-03-29T01:55:00Z", "PM", "095959", "--", "speed_limit_kmh",
             ]),
             0..120,
         )
