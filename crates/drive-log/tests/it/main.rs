@@ -13,6 +13,7 @@ mod divided;
 mod heating;
 mod layouts;
 mod odd_rows;
+mod parquet_columns;
 mod quality;
 mod real_data;
 mod resample;
