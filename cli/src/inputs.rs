@@ -1,5 +1,6 @@
 //! From paths, folders, globs and stdin to prepared drives.
 
+use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,8 @@ pub(crate) struct InputEntry<'a> {
     name: &'a str,
     sha256: &'a str,
     layout: &'a str,
+    /// Trip, vehicle and driver, where the file says them, by header.
+    origin: &'a BTreeMap<String, String>,
     samples: usize,
     step_s: f64,
     findings: &'a [Finding],
@@ -40,6 +43,7 @@ impl Input {
             name: &self.drive.name,
             sha256: &self.sha256,
             layout: &self.layout,
+            origin: &self.drive.origin,
             samples: self.drive.samples,
             step_s: self.drive.step_s,
             findings: &self.drive.findings,

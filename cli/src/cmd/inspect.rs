@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use clap::Args;
@@ -44,6 +45,7 @@ pub(crate) fn run(args: &InspectArgs, context: &Context) -> anyhow::Result<Outco
 #[derive(Serialize)]
 struct Entry<'a> {
     name: &'a str,
+    origin: &'a BTreeMap<String, String>,
     duration_s: f64,
     distance_m: f64,
     pieces: Vec<Piece>,
@@ -61,6 +63,7 @@ impl<'a> Entry<'a> {
     fn new(drive: &'a Drive) -> Self {
         Self {
             name: &drive.name,
+            origin: &drive.origin,
             duration_s: drive.duration_s(),
             distance_m: drive.distance_m(),
             pieces: drive
@@ -108,7 +111,11 @@ fn text(input: &Input) -> String {
         text.push_str("\nno findings\n");
         return text;
     }
-    let _ = writeln!(text, "\n{} findings", drive.findings.len());
+    let count = match drive.findings.len() {
+        1 => "1 finding".to_owned(),
+        n => format!("{n} findings"),
+    };
+    let _ = writeln!(text, "\n{count}");
     for finding in &drive.findings {
         let _ = writeln!(
             text,

@@ -6,16 +6,35 @@ use std::sync::Arc;
 
 use polars::prelude::*;
 
-use crate::Error;
-use crate::text::{Table, decimal_mark, decoded, fields, lines, number};
+use crate::cells::RowByRow;
+use crate::note::Note;
+use crate::number::{decided_mark, decimal_mark, number};
+use crate::origin::Kinds;
+use crate::text::{SNIFFED_ROWS, Table, decoded, fields};
+use crate::unit::Unit;
+use crate::{Channel, Error};
 
-/// Words for a value that is not there, in lower case.
-const MISSING: [&str; 12] = [
-    "", "na", "n/a", "nan", "-nan", "null", "none", "-", "inf", "+inf", "-inf", "infinity",
-];
+/// A column of numbers to read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Wanted {
+    pub(crate) column: usize,
+    pub(crate) unit: Unit,
+    /// The channel; `None` for time. Without time and speed there is no sample: a word is an error
+    /// there, and no value elsewhere.
+    pub(crate) channel: Option<Channel>,
+}
+
+impl Wanted {
+    pub(crate) fn is_needed(self) -> bool {
+        matches!(self.channel, None | Some(Channel::Speed))
+    }
+}
+
+/// Values of columns, one vector per column, and what there is to say of them.
+pub(crate) type Columns = (Vec<Vec<f64>>, Vec<Note>);
 
 /// Reads columns of numbers: one vector per entry of `columns`, one value per row, NaN where
-/// missing.
+/// missing. `missing` are the layout's words for that.
 ///
 /// Polars reads what is plain numbers, at several hundred MB/s. Whatever it does not take is read
 /// again row by row, which either understands it (quotes, `NA`, blanks as delimiter) or names the
@@ -23,19 +42,58 @@ const MISSING: [&str; 12] = [
 pub(crate) fn numbers(
     path: &Path,
     table: &Table<'_>,
-    columns: &[usize],
-) -> Result<Vec<Vec<f64>>, Error> {
+    columns: &[Wanted],
+    missing: &[String],
+) -> Result<Columns, Error> {
+    let decimal_comma = settled_mark(path, table, columns)?;
     // polars takes a point for a comma too
-    let mixed_marks = table.decimal_comma == Some(true) && table.body.contains(&b'.');
+    let mixed_marks = decimal_comma == Some(true) && table.body.contains(&b'.');
     if table.delimiter != b' ' && !mixed_marks && !table.body.contains(&b'"') {
         let rows = count_rows(path, table)?;
-        if let Ok(values) = fast(table, columns)
+        if let Ok(values) = fast(table, columns, decimal_comma)
             && values.iter().all(|column| column.len() == rows)
         {
-            return Ok(values);
+            return Ok((values, Vec::new()));
         }
     }
-    slow(path, table, columns)
+    RowByRow::new(path, table, columns, missing, decimal_comma).read()
+}
+
+/// The decimal mark. In `1.234` it may separate thousands: then another number must tell, since a
+/// wrong guess is wrong by a thousand. Where a comma delimits, a point without quotes is decimal.
+fn settled_mark(path: &Path, table: &Table<'_>, columns: &[Wanted]) -> Result<Option<bool>, Error> {
+    let delimited_by_comma = table.delimiter == b',' && !table.body.contains(&b'"');
+    if table.mark_decided || delimited_by_comma {
+        return Ok(table.decimal_comma);
+    }
+    let marked = |byte: &u8| matches!(byte, b'.' | b',') && *byte != table.delimiter;
+    if table.delimiter != b',' && !table.body.iter().any(marked) {
+        return Ok(None);
+    }
+    let mut open = None;
+    for (line, row) in table.rows() {
+        let row = decoded(row);
+        let cells = fields(&row, table.delimiter);
+        let numbers = cells.iter().filter(|cell| number(cell).is_some());
+        if let Some(comma) = numbers.clone().find_map(|cell| decided_mark(cell)) {
+            return Ok(Some(comma));
+        }
+        open = open.or_else(|| {
+            let open = columns.iter().find(|wanted| {
+                let cell = cells.get(wanted.column).copied().unwrap_or_default();
+                decimal_mark(cell).is_some() && number(cell).is_some()
+            })?;
+            Some((line, open.column, cells[open.column].to_owned()))
+        });
+    }
+    open.map_or(Ok(None), |(line, column, text)| {
+        Err(Error::DecimalMark {
+            path: path.to_owned(),
+            line,
+            header: table.head.headers[column].clone(),
+            text,
+        })
+    })
 }
 
 /// The texts of one column, one per row.
@@ -45,7 +103,7 @@ pub(crate) fn texts(
     column: usize,
 ) -> Result<Vec<(usize, String)>, Error> {
     let mut texts = Vec::new();
-    for (line, row) in rows(table) {
+    for (line, row) in table.rows() {
         let row = decoded(row);
         let row = checked_row(path, table, line, &row)?;
         texts.push((line, row[column].to_owned()));
@@ -53,17 +111,23 @@ pub(crate) fn texts(
     Ok(texts)
 }
 
-/// The rows with their line in the file.
-fn rows<'a>(table: &Table<'a>) -> impl Iterator<Item = (usize, &'a [u8])> {
-    let before = table.first_line - 1;
-    lines(table.body).map(move |(line, row)| (line + before, row))
+/// The values of one column as texts without repetition, in the order in which they come, and
+/// which of them each row has; `None` where it has none.
+pub(crate) fn kinds(path: &Path, table: &Table<'_>, column: usize) -> Result<Kinds, Error> {
+    let mut kinds = Kinds::default();
+    for (line, row) in table.rows() {
+        let row = decoded(row);
+        let cells = checked_row(path, table, line, &row)?;
+        kinds.push(cells[column]);
+    }
+    Ok(kinds)
 }
 
 /// Counts the rows and checks that each has as many fields as the header.
 fn count_rows(path: &Path, table: &Table<'_>) -> Result<usize, Error> {
     let expected = table.head.headers.len();
     let mut count = 0;
-    for (line, row) in rows(table) {
+    for (line, row) in table.rows() {
         count += 1;
         if row.iter().filter(|b| **b == table.delimiter).count() + 1 != expected {
             checked_row(path, table, line, &decoded(row))?;
@@ -73,7 +137,7 @@ fn count_rows(path: &Path, table: &Table<'_>) -> Result<usize, Error> {
 }
 
 /// The fields of a row: as many as headers, or more if the surplus is empty.
-fn checked_row<'r>(
+pub(crate) fn checked_row<'r>(
     path: &Path,
     table: &Table<'_>,
     line: usize,
@@ -81,6 +145,30 @@ fn checked_row<'r>(
 ) -> Result<Vec<&'r str>, Error> {
     let expected = table.head.headers.len();
     checked_fields(path, table.delimiter, expected, line, row)
+        .map_err(|ragged| width_of_all(path, table).unwrap_or(ragged))
+}
+
+/// The error where the rows are of one width and the header is of another.
+fn width_of_all(path: &Path, table: &Table<'_>) -> Option<Error> {
+    let expected = table.head.headers.len();
+    let mut widths = table.rows().take(SNIFFED_ROWS).map(|(line, row)| {
+        let width = fields(&decoded(row), table.delimiter).len();
+        (line, width)
+    });
+    let (line, found) = widths.next()?;
+    let (count, same) = widths.fold((1, true), |(count, same), (_, width)| {
+        (count + 1, same && width == found)
+    });
+    let header_line = table.head.line;
+    (same && count > 2 && found > 1 && found != expected && header_line > 0).then(|| {
+        Error::HeaderWidth {
+            path: path.to_owned(),
+            line,
+            found,
+            expected,
+            header_line,
+        }
+    })
 }
 
 pub(crate) fn checked_fields<'r>(
@@ -90,6 +178,7 @@ pub(crate) fn checked_fields<'r>(
     line: usize,
     row: &'r str,
 ) -> Result<Vec<&'r str>, Error> {
+    let line_text = row;
     let row = fields(row, delimiter);
     if row.len() < expected || row[expected..].iter().any(|field| !field.is_empty()) {
         return Err(Error::Ragged {
@@ -98,18 +187,26 @@ pub(crate) fn checked_fields<'r>(
             found: row.len(),
             expected,
             delimiter: char::from(delimiter),
+            other: [b',', b';', b'\t']
+                .into_iter()
+                .find(|other| fields(line_text, *other).len() == expected && expected > 1)
+                .map(char::from),
         });
     }
     Ok(row)
 }
 
-fn fast(table: &Table<'_>, columns: &[usize]) -> PolarsResult<Vec<Vec<f64>>> {
+fn fast(
+    table: &Table<'_>,
+    columns: &[Wanted],
+    decimal_comma: Option<bool>,
+) -> PolarsResult<Vec<Vec<f64>>> {
     let name = |column: usize| PlSmallStr::from(column.to_string());
     let width = table.head.headers.len();
     let schema: Schema = (0..width)
         .map(|column| Field::new(name(column), DataType::Float64))
         .collect();
-    let mut projection = columns.to_vec();
+    let mut projection: Vec<usize> = columns.iter().map(|wanted| wanted.column).collect();
     projection.sort_unstable();
     projection.dedup();
     let frame = CsvReadOptions::default()
@@ -122,14 +219,14 @@ fn fast(table: &Table<'_>, columns: &[usize]) -> PolarsResult<Vec<Vec<f64>>> {
                 .with_separator(table.delimiter)
                 .with_quote_char(None)
                 .with_encoding(CsvEncoding::LossyUtf8)
-                .with_decimal_comma(table.decimal_comma == Some(true))
+                .with_decimal_comma(decimal_comma == Some(true))
                 .with_truncate_ragged_lines(true)
         })
-        .into_reader_with_file_handle(Cursor::new(table.body))
+        .into_reader_with_file_handle(Cursor::new(table.body.as_ref()))
         .finish()?;
     columns
         .iter()
-        .map(|column| floats(frame.column(&name(*column))?))
+        .map(|wanted| floats(frame.column(&name(wanted.column))?))
         .collect()
 }
 
@@ -144,40 +241,4 @@ pub(crate) fn floats(column: &Column) -> PolarsResult<Vec<f64>> {
         }
     }
     Ok(floats)
-}
-
-fn slow(path: &Path, table: &Table<'_>, columns: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-    let mut values = vec![Vec::new(); columns.len()];
-    let mut decimal_comma = table.decimal_comma;
-    for (line, row) in rows(table) {
-        let row = decoded(row);
-        let row = checked_row(path, table, line, &row)?;
-        for (column, values) in columns.iter().zip(&mut values) {
-            let text = row[*column];
-            let value =
-                cell(text, table.delimiter, &mut decimal_comma).ok_or_else(|| Error::Cell {
-                    path: path.to_owned(),
-                    line,
-                    header: table.head.headers[*column].clone(),
-                    text: text.chars().take(60).collect(),
-                })?;
-            values.push(value);
-        }
-    }
-    Ok(values)
-}
-
-/// A number or a missing value. The first decimal mark of a file decides for the rest: in `1.5` and
-/// `1,234` only one is a mark.
-pub(crate) fn cell(text: &str, delimiter: u8, decimal_comma: &mut Option<bool>) -> Option<f64> {
-    if MISSING.iter().any(|word| word.eq_ignore_ascii_case(text)) {
-        return Some(f64::NAN);
-    }
-    let value = number(text, delimiter)?;
-    if let Some(mark) = decimal_mark(text)
-        && *decimal_comma.get_or_insert(mark) != mark
-    {
-        return None;
-    }
-    Some(value)
 }

@@ -2,26 +2,48 @@
 
 use std::path::Path;
 
-use crate::layout::{ChannelColumn, LogPlan, Plan, TimeColumns, list};
+use crate::layout::{ChannelColumn, LogPlan, Plan, TimeColumns, list, speed_without_unit};
 use crate::unit::{Quantity, Unit};
 use crate::{Channel, Error};
+
+/// Headers of a time whose unit they do not say: dates or clocks as text, or numbers that tell it;
+/// the first that a file has is taken.
+const OPEN_TIMES: [&str; 11] = [
+    "timestamp",
+    "time_stamp",
+    "datetime",
+    "date_time",
+    "date time",
+    "time_utc",
+    "utc_time",
+    "gps_time",
+    "utc",
+    "time",
+    "date",
+];
 
 /// What a canonical header says.
 enum Meaning {
     Time(Unit),
     Channel(Channel, Unit),
+    /// `v` or `a`, where no longer header says the same. Capitals may be volts and amps.
+    Short(Channel, Unit),
     /// A channel (or time, `None`) in a unit that is not known.
     UnknownUnit(Option<Channel>),
     Other,
 }
 
 fn meaning(header: &str) -> Meaning {
-    let header = header.trim().to_ascii_lowercase();
-    match header.as_str() {
+    let written = header.trim();
+    let header = written.to_ascii_lowercase();
+    match written {
         "t" => return Meaning::Time(Unit::SECOND),
-        "v" => return Meaning::Channel(Channel::Speed, Unit::METRE_PER_SECOND),
-        "a" => return Meaning::Channel(Channel::Accel, Unit::METRE_PER_SECOND_SQUARED),
+        "v" => return Meaning::Short(Channel::Speed, Unit::METRE_PER_SECOND),
+        "a" => return Meaning::Short(Channel::Accel, Unit::METRE_PER_SECOND_SQUARED),
         _ => {}
+    }
+    if OPEN_TIMES.contains(&header.as_str()) {
+        return Meaning::Other;
     }
     let suffix_after = |key: &str| {
         header
@@ -54,63 +76,143 @@ pub(crate) fn claims(headers: &[String]) -> bool {
             meaning(h),
             Meaning::Time(_)
                 | Meaning::Channel(Channel::Speed, _)
+                | Meaning::Short(Channel::Speed, _)
                 | Meaning::UnknownUnit(None | Some(Channel::Speed))
         )
     })
 }
 
 pub(crate) fn plan(path: &Path, headers: &[String]) -> Result<Plan, Error> {
-    let mut time: Option<(usize, Unit)> = None;
-    let mut columns: Vec<ChannelColumn> = Vec::new();
-    let twice = |channel, first: usize, second: usize| Error::DuplicateColumn {
-        path: path.to_owned(),
-        channel,
-        first: headers[first].clone(),
-        second: headers[second].clone(),
+    let meanings: Vec<Meaning> = headers.iter().map(|header| meaning(header)).collect();
+    let columns = channels(path, headers, &meanings)?;
+    if !columns.iter().any(|c| c.channel == Channel::Speed) {
+        return Err(speed_without_unit(path, headers).unwrap_or_else(|| {
+            let wanted = "speed_mps, speed_kmh, speed_mph or v";
+            missing(path, headers, Channel::Speed.name(), wanted)
+        }));
+    }
+    let time = time(path, headers, &meanings)?;
+    let log = LogPlan {
+        part: None,
+        columns,
     };
-    for (column, header) in headers.iter().enumerate() {
-        match meaning(header) {
-            Meaning::Other => {}
-            Meaning::Time(unit) => match time {
-                Some((first, _)) => return Err(twice("time", first, column)),
-                None => time = Some((column, unit)),
-            },
+    Ok(Plan::new(time, vec![log]))
+}
+
+fn channels(
+    path: &Path,
+    headers: &[String],
+    meanings: &[Meaning],
+) -> Result<Vec<ChannelColumn>, Error> {
+    let mut columns: Vec<ChannelColumn> = Vec::new();
+    for (column, meaning) in meanings.iter().enumerate() {
+        match meaning {
             Meaning::Channel(channel, unit) => {
-                match columns.iter().find(|c| c.channel == channel) {
-                    Some(first) => return Err(twice(channel.name(), first.column, column)),
-                    None => columns.push(ChannelColumn::new(channel, column, unit)),
+                if let Some(first) = columns.iter().find(|c| c.channel == *channel) {
+                    return Err(twice(path, headers, channel.name(), (first.column, column)));
                 }
+                columns.push(ChannelColumn::new(*channel, column, *unit));
             }
             Meaning::UnknownUnit(channel) => {
                 return Err(Error::UnknownUnit {
                     path: path.to_owned(),
-                    header: header.clone(),
+                    header: headers[column].clone(),
                     channel: channel.map_or("time", Channel::key),
                     known: Unit::suffixes(channel.map_or(Quantity::Time, Channel::quantity)),
                 });
             }
+            _ => {}
         }
     }
-    let missing = |channel, wanted: &str| Error::MissingColumn {
+    short_channels(path, headers, meanings, &mut columns)?;
+    Ok(columns)
+}
+
+/// Adds `v` and `a`. Beside a speed of a longer name, `v` is something else, and `a` with it.
+fn short_channels(
+    path: &Path,
+    headers: &[String],
+    meanings: &[Meaning],
+    columns: &mut Vec<ChannelColumn>,
+) -> Result<(), Error> {
+    let short = |wanted: Channel| {
+        meanings
+            .iter()
+            .enumerate()
+            .filter_map(move |(column, m)| match m {
+                Meaning::Short(channel, unit) if *channel == wanted => {
+                    Some(ChannelColumn::new(wanted, column, *unit))
+                }
+                _ => None,
+            })
+    };
+    let has = |columns: &[ChannelColumn], channel| columns.iter().any(|c| c.channel == channel);
+    let long_speed = has(columns, Channel::Speed);
+    if long_speed && short(Channel::Speed).next().is_some() {
+        return Ok(());
+    }
+    for channel in [Channel::Speed, Channel::Accel] {
+        let mut found = short(channel);
+        if let (Some(first), second, false) = (found.next(), found.next(), has(columns, channel)) {
+            if let Some(second) = second {
+                let both = (first.column, second.column);
+                return Err(twice(path, headers, channel.name(), both));
+            }
+            columns.push(first);
+        }
+    }
+    Ok(())
+}
+
+/// The column of time with its unit, else a date and a clock, else one that may be either.
+fn time(path: &Path, headers: &[String], meanings: &[Meaning]) -> Result<TimeColumns, Error> {
+    let mut times = meanings
+        .iter()
+        .enumerate()
+        .filter_map(|(column, m)| match m {
+            Meaning::Time(unit) => Some((column, *unit)),
+            _ => None,
+        });
+    match (times.next(), times.next()) {
+        (Some((first, _)), Some((second, _))) => {
+            return Err(twice(path, headers, "time", (first, second)));
+        }
+        (Some((column, unit)), None) => return Ok(TimeColumns::Number { column, unit }),
+        (None, _) => {}
+    }
+    let named = |name: &str| {
+        headers
+            .iter()
+            .position(|header| header.trim().eq_ignore_ascii_case(name))
+    };
+    if let (Some(date), Some(clock)) = (named("date"), named("time").or_else(|| named("clock"))) {
+        return Ok(TimeColumns::DateAndClock { date, clock });
+    }
+    let open = OPEN_TIMES.iter().find_map(|name| named(name));
+    open.map(|column| TimeColumns::Open { column })
+        .ok_or_else(|| missing(path, headers, "time", "time_s, time_ms or t"))
+}
+
+fn twice(
+    path: &Path,
+    headers: &[String],
+    channel: &'static str,
+    (first, second): (usize, usize),
+) -> Error {
+    Error::DuplicateColumn {
+        path: path.to_owned(),
+        channel,
+        first: headers[first].clone(),
+        second: headers[second].clone(),
+        columns: (first + 1, second + 1),
+    }
+}
+
+fn missing(path: &Path, headers: &[String], channel: &'static str, wanted: &str) -> Error {
+    Error::MissingColumn {
         path: path.to_owned(),
         channel,
         wanted: wanted.to_owned(),
         found: list(headers),
-    };
-    if !columns.iter().any(|c| c.channel == Channel::Speed) {
-        return Err(missing(
-            Channel::Speed.name(),
-            "speed_mps, speed_kmh, speed_mph or v",
-        ));
     }
-    let Some((column, unit)) = time else {
-        return Err(missing("time", "time_s, time_ms or t"));
-    };
-    Ok(Plan {
-        time: TimeColumns::Number { column, unit },
-        logs: vec![LogPlan {
-            part: None,
-            columns,
-        }],
-    })
 }

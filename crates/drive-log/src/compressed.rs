@@ -27,10 +27,10 @@ pub(crate) fn decompressed<'a>(
         )
     } else if bytes.starts_with(&ZSTD) {
         let decoder =
-            zstd::stream::read::Decoder::new(bytes).map_err(|source| Error::Compressed {
+            zstd::stream::read::Decoder::new(bytes).map_err(|problem| Error::Compressed {
                 path: path.to_owned(),
                 codec: "zstd",
-                source,
+                problem,
             })?;
         read_all(path, "zstd", decoder, limit_bytes)
     } else if bytes.len() as u64 > limit_bytes {
@@ -53,10 +53,10 @@ fn read_all<'a>(
     decoder
         .take(limit_bytes + 1)
         .read_to_end(&mut content)
-        .map_err(|source| Error::Compressed {
+        .map_err(|problem| Error::Compressed {
             path: path.to_owned(),
             codec,
-            source,
+            problem,
         })?;
     if content.len() as u64 > limit_bytes {
         return Err(Error::TooLarge {

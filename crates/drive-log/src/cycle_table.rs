@@ -46,11 +46,9 @@ pub(crate) fn plan(path: &Path, headers: &[String]) -> Result<Plan, Error> {
             )],
         })
         .collect();
-    Ok(Plan {
-        time: TimeColumns::Number {
-            column: 0,
-            unit: Unit::SECOND,
-        },
-        logs,
-    })
+    let time = TimeColumns::Number {
+        column: 0,
+        unit: Unit::SECOND,
+    };
+    Ok(Plan::new(time, logs))
 }

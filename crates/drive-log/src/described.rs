@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::layout::{ChannelColumn, Form, Head, LogPlan, Plan, TimeColumns};
+use crate::stamp::DateOrder;
 use crate::unit::{Quantity, Unit};
 use crate::{Channel, Error};
 
@@ -19,6 +20,10 @@ struct File {
     skip_lines: usize,
     #[serde(default)]
     no_header: bool,
+    #[serde(default)]
+    missing: Vec<String>,
+    split_by: Option<Vec<String>>,
+    date_order: Option<String>,
     time: TimeEntry,
     channels: BTreeMap<String, Entry>,
 }
@@ -48,6 +53,9 @@ pub(crate) struct Described {
     pub(crate) form: Form,
     time: Time,
     channels: Vec<Source>,
+    split_by: Option<Vec<Place>>,
+    missing: Vec<String>,
+    date_order: Option<DateOrder>,
     /// Whether every channel must be there, or only speed.
     strict: bool,
 }
@@ -55,6 +63,7 @@ pub(crate) struct Described {
 #[derive(Debug, Clone, PartialEq)]
 enum Time {
     Number(Place, Unit),
+    Open(Place),
     DateAndClock(Place, Place),
 }
 
@@ -99,6 +108,7 @@ impl Place {
                         channel,
                         first: head.headers[first].clone(),
                         second: head.headers[second].clone(),
+                        columns: (first + 1, second + 1),
                     }),
                     (first, _) => Ok(first),
                 }
@@ -118,7 +128,7 @@ impl Place {
 }
 
 /// A header without case, blanks and brackets, as real ones are dirty: `max. SoC [%)`.
-fn normalised(header: &str) -> String {
+pub(crate) fn normalised(header: &str) -> String {
     header
         .chars()
         .filter(|c| !c.is_whitespace() && !"[](){}<>\"".contains(*c))
@@ -145,10 +155,14 @@ impl Described {
                     .to_owned(),
             ));
         }
+        let headers = |names: Vec<String>| names.into_iter().map(Place::Header).collect();
         Ok(Described {
             form,
             time,
             channels,
+            split_by: file.split_by.map(headers),
+            missing: file.missing,
+            date_order: date_order(file.date_order.as_deref()).map_err(wrong)?,
             strict,
         })
     }
@@ -169,7 +183,7 @@ impl Described {
             return head.headers.len() == self.channels.len() + 1;
         }
         let time = match &self.time {
-            Time::Number(place, _) => there(place),
+            Time::Number(place, _) | Time::Open(place) => there(place),
             Time::DateAndClock(date, clock) => there(date) && there(clock),
         };
         time && self
@@ -183,6 +197,9 @@ impl Described {
             Time::Number(place, unit) => TimeColumns::Number {
                 column: place.require(path, "time", head)?,
                 unit: *unit,
+            },
+            Time::Open(place) => TimeColumns::Open {
+                column: place.require(path, "time", head)?,
             },
             Time::DateAndClock(date, clock) => TimeColumns::DateAndClock {
                 date: date.require(path, "time", head)?,
@@ -204,12 +221,19 @@ impl Described {
                 sign: source.sign,
             }));
         }
+        let split_by = self.split_by.as_ref().map(|places| {
+            let column = |place: &Place| place.require(path, "split_by", head);
+            places.iter().map(column).collect()
+        });
+        let log = LogPlan {
+            part: None,
+            columns,
+        };
         Ok(Plan {
-            time,
-            logs: vec![LogPlan {
-                part: None,
-                columns,
-            }],
+            split_by: split_by.transpose()?,
+            missing: self.missing.clone(),
+            date_order: self.date_order,
+            ..Plan::new(time, vec![log])
         })
     }
 }
@@ -262,15 +286,28 @@ fn time(file: &File) -> Result<Time, String> {
             clock: None,
             header,
             column,
-            unit: Some(unit),
-        } => Ok(Time::Number(
-            place("time", header.as_deref(), *column, file.no_header)?,
-            known_unit("time", Quantity::Time, unit)?,
-        )),
+            unit,
+        } => {
+            let place = place("time", header.as_deref(), *column, file.no_header)?;
+            match unit {
+                None => Ok(Time::Open(place)),
+                Some(unit) => known_unit("time", Quantity::Time, unit)
+                    .map(|unit| Time::Number(place, unit)),
+            }
+        }
         _ => Err(
-            "time: give either a header and a unit, or the headers of a date and a clock"
+            "time: give a header, with a unit where it holds numbers, or the headers of a date and a clock"
                 .to_owned(),
         ),
+    }
+}
+
+fn date_order(text: Option<&str>) -> Result<Option<DateOrder>, String> {
+    match text {
+        None => Ok(None),
+        Some("dmy") => Ok(Some(DateOrder::DayMonthYear)),
+        Some("mdy") => Ok(Some(DateOrder::MonthDayYear)),
+        Some(other) => Err(format!("date_order {other:?}: give \"dmy\" or \"mdy\"")),
     }
 }
 
@@ -304,8 +341,10 @@ fn place(
 ) -> Result<Place, String> {
     match (header, column, no_header) {
         (Some(header), None, false) => Ok(Place::Header(header.to_owned())),
-        (None, Some(column), true) if column > 0 => Ok(Place::Column(column - 1)),
-        (_, _, false) => Err(format!("{key}: give the header of its column")),
+        (None, Some(column), _) if column > 0 => Ok(Place::Column(column - 1)),
+        (_, _, false) => Err(format!(
+            "{key}: give the header of its column, or the number of its column, from 1"
+        )),
         (_, _, true) => Err(format!(
             "{key}: without a header, give the number of its column, from 1"
         )),

@@ -7,30 +7,30 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// The file could not be opened or read.
-    #[error("{}: {source}; check the path and its permissions", path.display())]
+    #[error("{}: {problem}; check the path and its permissions", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// What the operating system said.
-        source: std::io::Error,
+        problem: std::io::Error,
     },
     /// The output could not be written.
-    #[error("{log}: cannot be written: {source}")]
+    #[error("{log}: cannot be written: {problem}")]
     Write {
         /// The log.
         log: String,
         /// What the operating system said.
-        source: std::io::Error,
+        problem: std::io::Error,
     },
     /// A gzip or zstd stream is damaged or cut short.
-    #[error("{}: damaged {codec} stream: {source}; copy or compress the file again", path.display())]
+    #[error("{}: damaged {codec} stream: {problem}; copy or compress the file again", path.display())]
     Compressed {
         /// The file.
         path: PathBuf,
         /// `gzip` or `zstd`.
         codec: &'static str,
         /// What the decoder said.
-        source: std::io::Error,
+        problem: std::io::Error,
     },
     /// The content is larger than what is read into memory.
     #[error("{}: more than {limit_bytes} bytes after decompression; split the file", path.display())]
@@ -70,9 +70,11 @@ pub enum Error {
     },
     /// A row has another number of fields than the header, or another delimiter.
     #[error(
-        "{}, line {line}: {found} fields where {expected} are expected with the delimiter {delimiter:?}; \
-         complete or delete the line, and use one delimiter throughout",
-        path.display()
+        "{}, line {line}: {} where {expected} are expected with the delimiter {delimiter:?}{}; \
+         complete or delete the line, begin it with # where it is a comment, and use one delimiter throughout",
+        path.display(),
+        if *found == 1 { "1 field".to_owned() } else { format!("{found} fields") },
+        other.map_or(String::new(), |other| format!(" ({expected} with {other:?})"))
     )]
     Ragged {
         /// The file.
@@ -85,11 +87,33 @@ pub enum Error {
         expected: usize,
         /// The delimiter.
         delimiter: char,
+        /// A delimiter with which the row has as many fields as expected.
+        other: Option<char>,
+    },
+    /// All rows have another number of fields than the header.
+    #[error(
+        "{}, line {line}: this row and those after it have {found} fields, the header has {expected}: which column is which? \
+         Correct the header, or name the columns by number in a layout: no_header = true, skip_lines = {header_line}, \
+         time = {{ column = 1, unit = \"s\" }}",
+        path.display()
+    )]
+    HeaderWidth {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first row, from 1.
+        line: usize,
+        /// Fields of the rows.
+        found: usize,
+        /// Fields of the header.
+        expected: usize,
+        /// Line of the header.
+        header_line: usize,
     },
     /// A cell of a used column is not a number.
     #[error(
-        "{}, line {line}, column {header:?}: {text:?} is not a number; correct it, or leave the cell empty where the value is missing",
-        path.display()
+        "{}, line {line}, column {header:?}: {text:?} is not a number; {}",
+        path.display(),
+        cure_of_cell(text)
     )]
     Cell {
         /// The file.
@@ -99,6 +123,39 @@ pub enum Error {
         /// Header of the column.
         header: String,
         /// What is in the cell.
+        text: String,
+    },
+    /// A cell or a row under the header gives another unit than the header or the layout.
+    #[error(
+        "{}, line {line}, column {header:?}: the unit is {found:?} there, and {unit} by the header or the layout; correct one of them",
+        path.display()
+    )]
+    UnitAtOdds {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Header of the column.
+        header: String,
+        /// The unit in the row.
+        found: String,
+        /// The unit of the header or the layout.
+        unit: String,
+    },
+    /// No number of the file tells its decimal mark from one between thousands.
+    #[error(
+        "{}, line {line}, column {header:?}: {text:?} may be a thousand times as much, since no other number tells the decimal mark; \
+         say it in a layout: decimal = \".\" or decimal = \",\", or write thousands without a mark",
+        path.display()
+    )]
+    DecimalMark {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Header of the column.
+        header: String,
+        /// The first such number.
         text: String,
     },
     /// A row of a stream without time or speed.
@@ -143,7 +200,7 @@ pub enum Error {
         limit_bytes: u64,
     },
     /// A clock time is not a time.
-    #[error("{}, line {line}, column {header:?}: {text:?} is not a time; write it as HH:MM:SS", path.display())]
+    #[error("{}, line {line}, column {header:?}: {text:?} is not a time; write it as 2026-03-29T01:55:00, with Z or +01:00 in all rows or in none, or as HH:MM:SS, or leave the cell empty", path.display())]
     Clock {
         /// The file.
         path: PathBuf,
@@ -154,10 +211,90 @@ pub enum Error {
         /// What is in the cell.
         text: String,
     },
+    /// Nothing tells the day from the month.
+    #[error(
+        "{}, line {line}, column {header:?}: is {text:?} D/M/Y or M/D/Y? The file does not tell; \
+         say it in a layout: date_order = \"dmy\" or \"mdy\", or write YYYY-MM-DD",
+        path.display()
+    )]
+    DateOrder {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Header of the column.
+        header: String,
+        /// What is in the cell.
+        text: String,
+    },
+    /// Numbers as time without a unit.
+    #[error(
+        "{}: column {header:?} does not say in which unit its times are ({from} to {to}); \
+         name it time_s or time_ms, or give the unit in a layout: time = {{ header = {header:?}, unit = \"s\" }}",
+        path.display()
+    )]
+    TimeUnit {
+        /// The file.
+        path: PathBuf,
+        /// Header of the column.
+        header: String,
+        /// Its least value.
+        from: f64,
+        /// Its greatest value.
+        to: f64,
+    },
+    /// The speed changes faster than that of any vehicle.
+    #[error(
+        "{}: with steps of {step_s} s (column {header:?}) the speed changes by {found_mps2:.0} m/s^2 or more in a quarter of all samples, \
+         as no road vehicle does: its times, or its speeds, are in another unit than the header says; \
+         name the right one (time_s, time_ms, time_d), or give it in a layout: time = {{ header = {header:?}, unit = \"s\" }}",
+        path.display()
+    )]
+    TimeScale {
+        /// The file.
+        path: PathBuf,
+        /// Header of the time column.
+        header: String,
+        /// Median step, s.
+        step_s: f64,
+        /// Acceleration that a quarter of the samples exceeds, m/s².
+        found_mps2: f64,
+    },
+    /// A header that names a speed and not its unit.
+    #[error(
+        "{}: the header {header:?} does not say in which unit the speed is; name it speed_kmh, speed_mps or speed_mph, \
+         or give the unit in a layout: time = {{ header = \"…\", unit = \"s\" }} and, under [channels], \
+         speed = {{ header = {header:?}, unit = \"km/h\" }}",
+        path.display()
+    )]
+    UnstatedUnit {
+        /// The file.
+        path: PathBuf,
+        /// The header.
+        header: String,
+    },
+    /// Columns without headers, or with the headers `v` and `a`, that do not belong together.
+    #[error(
+        "{}: {speed} and {accel} are no speed in {unit} and its acceleration in m/s^2: {found}; \
+         give the columns headers with units (time_s, speed_kmh, accel_mps2), or name them in a layout",
+        path.display()
+    )]
+    NoDerivative {
+        /// The file.
+        path: PathBuf,
+        /// Header of the speed.
+        speed: String,
+        /// Header of the acceleration.
+        accel: String,
+        /// Unit of the speed.
+        unit: String,
+        /// How the two go together.
+        found: String,
+    },
     /// No layout knows these headers.
     #[error(
         "{}: no known layout has these headers: {found}; use the canonical headers (time_s, speed_mps, …), \
-         or write a layout file: time = {{ header = \"…\", unit = \"s\" }} and, under [channels], \
+         or write a layout file (with skip_lines where other lines come before the header): time = {{ header = \"…\", unit = \"s\" }} and, under [channels], \
          speed = {{ header = \"…\", unit = \"km/h\" }}",
         path.display()
     )]
@@ -188,7 +325,7 @@ pub enum Error {
         found: String,
     },
     /// Two columns could be the same channel.
-    #[error("{}: the columns {first:?} and {second:?} are both {channel}; rename or delete one", path.display())]
+    #[error("{}: the columns {first:?} and {second:?} are both {channel}; rename or delete one, or choose one in a layout by its number: column = {} or {}", path.display(), columns.0, columns.1)]
     DuplicateColumn {
         /// The file.
         path: PathBuf,
@@ -198,6 +335,8 @@ pub enum Error {
         first: String,
         /// The other.
         second: String,
+        /// Their numbers, from 1.
+        columns: (usize, usize),
     },
     /// A canonical header with a unit that is not known.
     #[error("{}: the unit of column {header:?} is not known; known suffixes for {channel}: {known}", path.display())]
@@ -239,7 +378,7 @@ pub enum Error {
     },
     /// Most of the time column runs backward.
     #[error(
-        "{}: time runs backward in {backward} of {samples} steps, first at {at_s} s; is {header:?} the right time column?",
+        "{}: time runs backward in {backward} of {samples} steps, first at {at_s} s; is {header:?} the right time column, and does the header stand over its own columns? Correct it, or name the column of time in a layout",
         path.display()
     )]
     BackwardTime {
@@ -316,7 +455,7 @@ pub enum Error {
     },
     /// No two valid samples are close enough to make a drive.
     #[error(
-        "{log}: {samples} samples, but no two with a valid speed within {max_gap_s} s of each other; allow longer gaps, or check the log"
+        "{log}: {samples} samples, but no two with a valid speed within {max_gap_s} s of each other; allow longer gaps, or check the log and the unit of its times"
     )]
     NoPiece {
         /// The log.
@@ -358,4 +497,15 @@ pub enum Error {
         /// What the encoder said.
         problem: String,
     },
+}
+
+/// What to do about a cell that is no number.
+fn cure_of_cell(text: &str) -> String {
+    if text.chars().any(|c| c.is_ascii_digit()) {
+        "correct it (one decimal mark throughout, nothing between thousands), or leave the cell empty where the value is missing".to_owned()
+    } else {
+        format!(
+            "correct it, or leave the cell empty where the value is missing, or say in a layout that the word means so: missing = [{text:?}]"
+        )
+    }
 }

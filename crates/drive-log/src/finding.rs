@@ -111,6 +111,14 @@ pub enum FindingKind {
     Delay,
     /// A sensor that is not mounted along the car, or not level.
     Mounting,
+    /// Rows of the file that are none of the log: comments, a header again, a footer.
+    NoSample,
+    /// Words where numbers are expected.
+    NoNumber,
+    /// Times in a form that the header does not say, but their values do.
+    TimeFormat,
+    /// A column that is named as one of trips or vehicles, and holds measured values.
+    NoDivision,
 }
 
 /// What was done about a finding.
@@ -142,6 +150,8 @@ pub enum Action {
     Shifted,
     /// The recording is not used.
     Refused,
+    /// The values were read in another form or unit.
+    Converted,
 }
 
 impl fmt::Display for FindingKind {
@@ -172,6 +182,10 @@ impl fmt::Display for FindingKind {
             FindingKind::UnitChange => "unit change",
             FindingKind::Delay => "delay",
             FindingKind::Mounting => "mounting",
+            FindingKind::NoSample => "no sample",
+            FindingKind::NoNumber => "no number",
+            FindingKind::TimeFormat => "time format",
+            FindingKind::NoDivision => "no division",
         })
     }
 }
@@ -192,6 +206,7 @@ impl fmt::Display for Action {
             Action::Scaled => "scaled",
             Action::Shifted => "shifted",
             Action::Refused => "refused",
+            Action::Converted => "converted",
         })
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::described::Described;
+use crate::described::{Described, normalised};
+use crate::stamp::DateOrder;
 use crate::unit::Unit;
 use crate::{Channel, Error, canonical, cycle_table, openacc};
 
@@ -32,11 +33,17 @@ enum Kind {
     CycleTable,
 }
 
-const DESCRIBED: [(&str, &str); 4] = [
-    ("bmw-i3", include_str!("layouts/bmw-i3.toml")),
-    ("rsk-twizy", include_str!("layouts/rsk-twizy.toml")),
-    ("igdir", include_str!("layouts/igdir.toml")),
-    ("cycles", include_str!("layouts/cycles.toml")),
+/// Name, text, and headers besides time and speed by which a file is recognised: those of the
+/// Twizy do not say the unit of the speed, so that another file must not be taken for one.
+const DESCRIBED: [(&str, &str, &[&str]); 4] = [
+    ("bmw-i3", include_str!("layouts/bmw-i3.toml"), &[]),
+    (
+        "rsk-twizy",
+        include_str!("layouts/rsk-twizy.toml"),
+        &["Soc", "Mode", "GpsSpeed", "WindSpeedAv", "SpeedLimit"],
+    ),
+    ("igdir", include_str!("layouts/igdir.toml"), &[]),
+    ("cycles", include_str!("layouts/cycles.toml"), &[]),
 ];
 
 impl Layout {
@@ -78,8 +85,11 @@ impl Layout {
     ///
     /// The keys of `channels` are canonical headers without their unit. Headers are compared
     /// without regard to case, blanks and kind of brackets. Without a header (`no_header = true`)
-    /// give `column = 1` and so on in place of `header`. Time as text is `time = { date = "Date",
-    /// clock = "Time" }`, with dates as MM/DD/YYYY or YYYY-MM-DD.
+    /// give `column = 1` and so on in place of `header`, as where two columns have the same header.
+    /// Time as text is `time = { date = "Date", clock = "Time" }`, or `time = { header = "Time" }`
+    /// without a unit; `date_order = "dmy"` or `"mdy"` says what 03/04/2026 is. `split_by =
+    /// ["Trip"]` names the columns that divide the file into drives (`[]`: none does), `missing =
+    /// ["ND"]` words for missing values.
     ///
     /// # Errors
     /// [`Error::Layout`] for anything that is not such a description, with what is wrong and what
@@ -104,7 +114,7 @@ impl Layout {
             kind,
         };
         let mut layouts = Vec::new();
-        if let Some((_, text)) = DESCRIBED.iter().find(|(known, _)| *known == name) {
+        if let Some((_, text, _)) = DESCRIBED.iter().find(|(known, _, _)| *known == name) {
             layouts.push(of(Kind::Described(Box::new(Described::from_toml_str(
                 name, text, false,
             )?))));
@@ -155,7 +165,12 @@ impl Layout {
     pub(crate) fn claims(&self, head: &Head) -> bool {
         match &self.kind {
             Kind::Canonical => canonical::claims(&head.headers),
-            Kind::Described(described) => described.claims(head),
+            Kind::Described(described) => {
+                let further = DESCRIBED.iter().find(|(name, _, _)| *name == self.name);
+                let there = |header: &&str| head.headers.iter().any(|h| h.trim() == *header);
+                described.claims(head)
+                    && further.is_none_or(|(_, _, further)| further.iter().all(there))
+            }
             Kind::OpenAcc => openacc::claims(head),
             Kind::CycleTable => cycle_table::claims(&head.headers),
         }
@@ -189,6 +204,8 @@ pub(crate) struct Head {
     /// One per column; numbers where the file has no header.
     pub(crate) headers: Vec<String>,
     pub(crate) has_header: bool,
+    /// Line of the header, from 1.
+    pub(crate) line: usize,
 }
 
 impl Head {
@@ -211,17 +228,69 @@ pub(crate) fn list(headers: &[String]) -> String {
     text.join(", ")
 }
 
+/// Headers of a speed that do not say its unit.
+const SPEEDS: [&str; 10] = [
+    "speed",
+    "velocity",
+    "vel",
+    "gpsspeed",
+    "gps_speed",
+    "vehiclespeed",
+    "vehicle_speed",
+    "speed_obd",
+    "speed_gps",
+    "obd_speed",
+];
+
+/// The error where a header names a speed without its unit, which no layout guesses.
+pub(crate) fn speed_without_unit(path: &Path, headers: &[String]) -> Option<Error> {
+    let names_speed = |h: &&String| SPEEDS.contains(&normalised(h).as_str());
+    let header = headers.iter().find(names_speed)?;
+    Some(Error::UnstatedUnit {
+        path: path.to_owned(),
+        header: header.clone(),
+    })
+}
+
 /// What to read from a file, and what it becomes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plan {
     pub(crate) time: TimeColumns,
     pub(crate) logs: Vec<LogPlan>,
+    /// The columns whose values divide the file into drives; `None` for those that are named so.
+    pub(crate) split_by: Option<Vec<usize>>,
+    /// Words for missing values, besides those that always are.
+    pub(crate) missing: Vec<String>,
+    /// The order of dates such as `03/04/2026`.
+    pub(crate) date_order: Option<DateOrder>,
+}
+
+impl Plan {
+    pub(crate) fn new(time: TimeColumns, logs: Vec<LogPlan>) -> Plan {
+        Plan {
+            time,
+            logs,
+            split_by: None,
+            missing: Vec::new(),
+            date_order: None,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TimeColumns {
-    Number { column: usize, unit: Unit },
-    DateAndClock { date: usize, clock: usize },
+    Number {
+        column: usize,
+        unit: Unit,
+    },
+    /// Dates or clocks as text, or numbers that tell their unit.
+    Open {
+        column: usize,
+    },
+    DateAndClock {
+        date: usize,
+        clock: usize,
+    },
 }
 
 /// One log of a file.

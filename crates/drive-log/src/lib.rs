@@ -46,8 +46,11 @@
 //! - M. Makridis et al., *OpenACC. An open database of car-following experiments to study the
 //!   properties of commercial ACC systems*, Transp. Res. C 125 (2021): the layout `openacc`.
 
+mod agreement;
+mod assemble;
 mod body;
 mod canonical;
+mod cells;
 mod channel;
 mod clock;
 mod compressed;
@@ -58,7 +61,10 @@ mod error;
 mod finding;
 mod layout;
 mod log;
+mod note;
+mod number;
 mod openacc;
+mod origin;
 mod pages;
 mod parquet;
 mod prepare;
@@ -68,8 +74,13 @@ mod read;
 mod resample;
 mod rows;
 mod smooth;
+mod source;
+mod stamp;
 mod summary;
 mod text;
+mod tidy;
+mod time_unit;
+mod top;
 mod unit;
 mod write;
 

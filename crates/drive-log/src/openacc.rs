@@ -69,13 +69,11 @@ pub(crate) fn plan(path: &Path, head: &Head) -> Result<Plan, Error> {
     if logs.is_empty() {
         return Err(missing(Channel::Speed.name(), "\"Speed1\", \"Speed2\", …"));
     }
-    Ok(Plan {
-        time: TimeColumns::Number {
-            column: time,
-            unit: Unit::SECOND,
-        },
-        logs,
-    })
+    let time = TimeColumns::Number {
+        column: time,
+        unit: Unit::SECOND,
+    };
+    Ok(Plan::new(time, logs))
 }
 
 /// The name of car `k`, counted from 1, in the line `Vehicle_order`.

@@ -7,9 +7,10 @@ use std::path::Path;
 use polars::prelude::*;
 
 use crate::Error;
-use crate::body::floats;
+use crate::body::{Wanted, floats};
 use crate::compressed::LIMIT_BYTES;
 use crate::layout::Head;
+use crate::note::excerpt;
 use crate::pages::check_chunk;
 use crate::text::MAX_COLUMNS;
 
@@ -76,20 +77,52 @@ impl<'a> File<'a> {
                 preamble: Vec::new(),
                 headers: schema.iter_names().map(ToString::to_string).collect(),
                 has_header: true,
+                line: 0,
             },
         })
     }
 
     /// Reads columns of numbers, NaN for null.
-    pub(crate) fn numbers(&self, columns: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        if let Some(&column) = columns.iter().find(|c| !is_number(&self.types[**c])) {
+    pub(crate) fn numbers(&self, columns: &[Wanted]) -> Result<Vec<Vec<f64>>, Error> {
+        let columns: Vec<usize> = columns.iter().map(|wanted| wanted.column).collect();
+        self.check_types(&columns, is_number)?;
+        self.read(&columns, |column| floats(&column.cast(&DataType::Float64)?))
+    }
+
+    /// Reads a column of texts or whole numbers as texts, empty for null.
+    pub(crate) fn texts(&self, column: usize) -> Result<Vec<String>, Error> {
+        self.check_types(&[column], |data_type| {
+            is_number(data_type) || is_text(data_type)
+        })?;
+        let numbers = !self.is_text(column);
+        let texts: Vec<Vec<String>> = self.read(&[column], |column| {
+            if numbers {
+                let values = floats(&column.cast(&DataType::Float64)?)?;
+                return Ok(values.iter().map(ToString::to_string).collect());
+            }
+            let values = column.str()?.iter();
+            Ok(values
+                .map(|text| text.unwrap_or_default().to_owned())
+                .collect())
+        })?;
+        Ok(texts.into_iter().flatten().collect())
+    }
+
+    /// Whether a column holds texts.
+    pub(crate) fn is_text(&self, column: usize) -> bool {
+        is_text(&self.types[column])
+    }
+
+    fn check_types(
+        &self,
+        columns: &[usize],
+        can_be_read: impl Fn(&ArrowDataType) -> bool,
+    ) -> Result<(), Error> {
+        if let Some(&column) = columns.iter().find(|c| !can_be_read(&self.types[**c])) {
             return Err(Error::ColumnType {
                 path: self.path.to_owned(),
                 header: self.head.headers[column].clone(),
-                found: format!("{:?}", self.types[column])
-                    .chars()
-                    .take(60)
-                    .collect(),
+                found: excerpt(&format!("{:?}", self.types[column])),
             });
         }
         if self.rows.saturating_mul(8 * columns.len() as u64) > LIMIT_BYTES {
@@ -98,6 +131,15 @@ impl<'a> File<'a> {
                 limit_bytes: LIMIT_BYTES,
             });
         }
+        Ok(())
+    }
+
+    /// Decodes columns and takes what is wanted of each.
+    fn read<T>(
+        &self,
+        columns: &[usize],
+        take: impl Fn(&Column) -> PolarsResult<T>,
+    ) -> Result<Vec<T>, Error> {
         let mut projection = columns.to_vec();
         projection.sort_unstable();
         projection.dedup();
@@ -108,16 +150,15 @@ impl<'a> File<'a> {
                 .finish()?;
             columns
                 .iter()
-                .map(|column| {
-                    floats(
-                        &frame
-                            .column(&self.head.headers[*column])?
-                            .cast(&DataType::Float64)?,
-                    )
-                })
+                .map(|column| take(frame.column(&self.head.headers[*column])?))
                 .collect()
         })
     }
+}
+
+fn is_text(data_type: &ArrowDataType) -> bool {
+    use ArrowDataType::{LargeUtf8, Utf8, Utf8View};
+    matches!(data_type, Utf8 | LargeUtf8 | Utf8View)
 }
 
 /// Numbers that polars reads; of a half-precision column it panics.

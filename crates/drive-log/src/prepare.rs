@@ -1,5 +1,7 @@
 //! From a recording to drives.
 
+use std::collections::BTreeMap;
+
 use crate::log::positive;
 use crate::resample::{drives, uniform};
 use crate::{Action, DriveLog, Error, Finding, RawLog, Smoothing, check};
@@ -36,6 +38,8 @@ impl Default for Preparation {
 pub struct Drive {
     /// Name of the recording.
     pub name: String,
+    /// What the file says of the whole recording, see [`RawLog::origin`].
+    pub origin: BTreeMap<String, String>,
     /// The drives, at least one; several where the recording was cut.
     pub pieces: Vec<DriveLog>,
     /// What is wrong with the recording and what was done about it, in the order of time.
@@ -62,8 +66,9 @@ pub struct Drive {
 pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
     positive("step_s", options.step_s)?;
     positive("max_gap_s", options.max_gap_s)?;
-    let (name, samples, step_s) = (
+    let (name, origin, samples, step_s) = (
         log.name().to_owned(),
+        log.origin().clone(),
         log.len(),
         median_step_s(log.time_s()),
     );
@@ -71,6 +76,7 @@ pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
         let findings = log.findings.clone();
         return Ok(Drive {
             name,
+            origin,
             pieces: vec![uniform(log, options.step_s)?],
             findings,
             samples,
@@ -92,6 +98,7 @@ pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
     let (pieces, findings) = drives(checked, options)?;
     Ok(Drive {
         name,
+        origin,
         pieces,
         findings,
         samples,

@@ -12,6 +12,7 @@ pub struct RawLog {
     name: String,
     pub(crate) time_s: Vec<f64>,
     pub(crate) channels: BTreeMap<Channel, Vec<f64>>,
+    pub(crate) origin: BTreeMap<String, String>,
     /// What reading already had to repair; `check` hands it on.
     pub(crate) findings: Vec<Finding>,
 }
@@ -52,14 +53,23 @@ impl RawLog {
             name,
             time_s,
             channels,
+            origin: BTreeMap::new(),
             findings: Vec::new(),
         })
     }
 
-    /// Name of the log: the file's stem, then `#` and the column or car where a file holds several.
+    /// Name of the log: the file's stem, then `#` and the column, the car or the values of
+    /// [`RawLog::origin`] where a file holds several.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// What the file says of the whole log: the values of its columns of trips, vehicles and
+    /// drivers, by header.
+    #[must_use]
+    pub fn origin(&self) -> &BTreeMap<String, String> {
+        &self.origin
     }
 
     /// Time of each sample, s.

@@ -1,13 +1,14 @@
 //! From a file to its logs.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use crate::layout::{Form, Head, Layout, LayoutChoice, LogPlan, Plan, TimeColumns};
+use crate::layout::{Form, Head, Layout, LayoutChoice, Plan, speed_without_unit};
+use crate::source::Source;
 use crate::text::Table;
-use crate::{Action, Error, Finding, FindingKind, RawLog, body, clock, compressed, parquet, text};
+use crate::tidy::tidied;
+use crate::{Channel, Error, RawLog, agreement, assemble, compressed, parquet, text};
 
 /// What was read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,17 +30,18 @@ pub struct LogFile {
 /// # Errors
 /// [`Error::Read`] if the file cannot be read, else those of [`read_bytes`].
 pub fn read_file(path: &Path, layout: &LayoutChoice) -> Result<LogFile, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+    let bytes = std::fs::read(path).map_err(|problem| Error::Read {
         path: path.to_owned(),
-        source,
+        problem,
     })?;
     read_bytes(path, &bytes, layout)
 }
 
 /// Reads the bytes of a file as [`read_file`] does; `path` is for names and messages only.
 ///
-/// Empty cells, `NaN`, `NA`, `N/A`, `null`, `-` and infinities are missing values. Columns that the
-/// layout does not use are not looked at.
+/// Empty cells, `NaN`, `NA`, `N/A`, `null`, `-` and the like, and infinities are missing values.
+/// Columns that the layout does not use are not looked at, but for those that name a trip, a vehicle
+/// or a driver: they divide the file into logs.
 ///
 /// # Errors
 /// An [`Error`] for whatever is not a log: it names the line, the column and what was found. Never
@@ -47,23 +49,23 @@ pub fn read_file(path: &Path, layout: &LayoutChoice) -> Result<LogFile, Error> {
 pub fn read_bytes(path: &Path, bytes: &[u8], layout: &LayoutChoice) -> Result<LogFile, Error> {
     let layouts = Layout::candidates(layout)?;
     let content = compressed::decompressed(path, bytes, compressed::LIMIT_BYTES)?;
-    let (layout, logs) = if content.starts_with(parquet::MAGIC) {
+    let text;
+    let (layout, plan, source, notes) = if content.starts_with(parquet::MAGIC) {
         let file = parquet::File::open(path, &content)?;
         let layout = chosen(path, &layouts, &file.head)?;
         let plan = layout.plan(path, &file.head)?;
-        (
-            layout.name().to_owned(),
-            logs(path, &Source::Parquet(&file), &plan)?,
-        )
+        (layout, plan, Source::Parquet(file), Vec::new())
     } else {
-        let text = text::checked_text(path, &content)?;
-        let (layout, table) = recognised(path, text, &layouts)?;
+        text = text::with_line_feeds(text::checked_text(path, &content)?);
+        let (layout, table) = recognised(path, &text, &layouts)?;
         let plan = layout.plan(path, &table.head)?;
-        (
-            layout.name().to_owned(),
-            logs(path, &Source::Text(&table), &plan)?,
-        )
+        let (table, notes) = tidied(path, table, &plan)?;
+        (layout, plan, Source::Text(table), notes)
     };
+    let logs = assemble::logs(path, &source, &plan, notes)?;
+    if layouts.len() > 1 {
+        check_derivative(path, source.head(), &plan, &logs)?;
+    }
     let sha256 = Sha256::digest(bytes)
         .iter()
         .map(|byte| format!("{byte:02x}"))
@@ -71,7 +73,7 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layout: &LayoutChoice) -> Result<Lo
     Ok(LogFile {
         path: path.to_owned(),
         sha256,
-        layout,
+        layout: layout.name().to_owned(),
         logs,
     })
 }
@@ -88,6 +90,9 @@ fn chosen<'l>(path: &Path, layouts: &'l [Layout], head: &Head) -> Result<&'l Lay
 }
 
 fn unknown(path: &Path, head: &Head) -> Error {
+    if let Some(error) = speed_without_unit(path, &head.headers) {
+        return error;
+    }
     let found = if head.has_header {
         head.listed()
     } else {
@@ -126,205 +131,39 @@ fn recognised<'l, 't>(
     Err(unknown(path, &table.head))
 }
 
-/// Where columns come from.
-enum Source<'a> {
-    Text(&'a Table<'a>),
-    Parquet(&'a parquet::File<'a>),
-}
-
-impl Source<'_> {
-    fn numbers(&self, path: &Path, columns: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        match self {
-            Source::Text(table) => body::numbers(path, table, columns),
-            Source::Parquet(file) => file.numbers(columns),
-        }
-    }
-
-    fn headers(&self) -> &[String] {
-        match self {
-            Source::Text(table) => &table.head.headers,
-            Source::Parquet(file) => &file.head.headers,
-        }
-    }
-
-    /// The finding that the file ends in the middle of a row.
-    fn cut_off(&self, time_s: &[f64]) -> Option<Finding> {
-        let last_s = *time_s.last()?;
-        let cut_off = matches!(self, Source::Text(table) if table.cut_off);
-        cut_off.then(|| {
-            let detail = "the file ends in the middle of the row after this one".to_owned();
-            Finding::of_time(
-                FindingKind::CutOff,
-                (last_s, last_s),
-                Action::Dropped,
-                detail,
-            )
-        })
-    }
-
-    /// Time of each row in s, and what had to be repaired for it.
-    fn time_s(
-        &self,
-        path: &Path,
-        columns: TimeColumns,
-        first: Vec<f64>,
-    ) -> Result<(Vec<f64>, Option<Finding>), Error> {
-        match (columns, self) {
-            (TimeColumns::Number { unit, .. }, _) => {
-                let mut time_s = first;
-                unit.convert(&mut time_s, 1.0);
-                Ok((time_s, None))
-            }
-            (TimeColumns::DateAndClock { date, clock }, Source::Text(table)) => {
-                let headers = (
-                    self.headers()[date].as_str(),
-                    self.headers()[clock].as_str(),
-                );
-                let dates = body::texts(path, table, date)?;
-                clock::seconds(path, headers, &dates, &body::texts(path, table, clock)?)
-            }
-            (TimeColumns::DateAndClock { date, .. }, Source::Parquet(_)) => {
-                Err(Error::ColumnType {
-                    path: path.to_owned(),
-                    header: self.headers()[date].clone(),
-                    found: "a date as text".to_owned(),
-                })
-            }
-        }
-    }
-}
-
-/// Carries out a plan: reads every column once and builds the logs from them.
-fn logs(path: &Path, source: &Source<'_>, plan: &Plan) -> Result<Vec<RawLog>, Error> {
-    let mut columns: Vec<usize> = plan
-        .logs
-        .iter()
-        .flat_map(|log| &log.columns)
-        .map(|c| c.column)
-        .collect();
-    let time_column = match plan.time {
-        TimeColumns::Number { column, .. } => Some(column),
-        TimeColumns::DateAndClock { .. } => None,
+/// Columns that nobody named a speed and an acceleration are checked against each other: three
+/// without a header must be just that, and `v` and `a` must not be volts and amps.
+fn check_derivative(path: &Path, head: &Head, plan: &Plan, logs: &[RawLog]) -> Result<(), Error> {
+    let columns = plan.logs.first().map_or(&[][..], |log| &log.columns);
+    let column = |channel| columns.iter().find(|c| c.channel == channel);
+    let (Some(speed), Some(accel)) = (column(Channel::Speed), column(Channel::Accel)) else {
+        return Ok(());
     };
-    columns.extend(time_column);
-    columns.sort_unstable();
-    columns.dedup();
-    let values: BTreeMap<usize, Vec<f64>> = columns
-        .iter()
-        .copied()
-        .zip(source.numbers(path, &columns)?)
-        .collect();
-    let first = time_column
-        .and_then(|column| values.get(&column).cloned())
-        .unwrap_or_default();
-    let (time_s, repaired) = source.time_s(path, plan.time, first)?;
-    check_direction(
-        path,
-        time_column.map_or("", |c| &source.headers()[c]),
-        &time_s,
-    )?;
-
-    let mut logs = Vec::new();
-    for log in &plan.logs {
-        // a car that was not there, a cycle of another file; all of them is an error below
-        match raw_log(path, &time_s, &values, log) {
-            Err(Error::NoSpeed { .. }) => {}
-            log => logs.push(log?),
+    let named = |column: usize, name| head.headers[column].trim() == name;
+    let short = named(speed.column, "v") && named(accel.column, "a");
+    if head.has_header && !short {
+        return Ok(());
+    }
+    for log in logs {
+        let [v, a] = [Channel::Speed, Channel::Accel].map(|c| log.channel(c).unwrap_or_default());
+        let agreement = agreement::of_speed_and_accel(log.time_s(), v, a);
+        let fails = match agreement {
+            None => !head.has_header,
+            Some(found) if head.has_header => found.is_excluded(),
+            Some(found) => !found.holds(),
+        };
+        if fails {
+            return Err(Error::NoDerivative {
+                path: path.to_owned(),
+                speed: head.headers[speed.column].clone(),
+                accel: head.headers[accel.column].clone(),
+                unit: speed.unit.to_string(),
+                found: agreement.map_or_else(
+                    || "too few samples, or too little motion, to tell".to_owned(),
+                    |found| found.to_string(),
+                ),
+            });
         }
     }
-    for log in &mut logs {
-        log.findings.extend(repaired.clone());
-        log.findings.extend(source.cut_off(log.time_s()));
-    }
-    if logs.is_empty() {
-        return Err(Error::NoSpeed {
-            log: path.display().to_string(),
-            channel: crate::Channel::Speed.name(),
-            samples: time_s.len(),
-        });
-    }
-    Ok(logs)
-}
-
-fn raw_log(
-    path: &Path,
-    time_s: &[f64],
-    values: &BTreeMap<usize, Vec<f64>>,
-    plan: &LogPlan,
-) -> Result<RawLog, Error> {
-    let mut channels = BTreeMap::new();
-    let mut len = 0;
-    for column in &plan.columns {
-        let mut si = values.get(&column.column).cloned().unwrap_or_default();
-        column.unit.convert(&mut si, column.sign);
-        len = len.max(
-            si.iter()
-                .rposition(|v| !v.is_nan())
-                .map_or(0, |last| last + 1),
-        );
-        channels.insert(column.channel, si);
-    }
-    if plan.part.is_none() {
-        len = time_s.len();
-    }
-    // where a file holds several logs, one may end before the others
-    channels
-        .values_mut()
-        .for_each(|values| values.truncate(len));
-    let name = plan
-        .part
-        .as_ref()
-        .map_or_else(|| stem(path), |part| format!("{}#{part}", stem(path)));
-    RawLog::new(name, time_s[..len].to_vec(), channels)
-}
-
-/// Most of the steps backward: sorting would make a drive of what is none.
-fn check_direction(path: &Path, header: &str, time_s: &[f64]) -> Result<(), Error> {
-    let backward: Vec<f64> = time_s
-        .windows(2)
-        .filter(|pair| pair[1] < pair[0])
-        .map(|pair| pair[1])
-        .collect();
-    match backward.first() {
-        Some(&at_s) if 2 * backward.len() > time_s.len() - 1 => Err(Error::BackwardTime {
-            path: path.to_owned(),
-            header: header.to_owned(),
-            backward: backward.len(),
-            samples: time_s.len(),
-            at_s,
-        }),
-        _ => Ok(()),
-    }
-}
-
-/// The file's name without its endings: `TripA01` of `TripA01.csv.gz`.
-fn stem(path: &Path) -> String {
-    let mut name = PathBuf::from(path.file_name().unwrap_or_default());
-    for ending in ["gz", "zst", "csv", "txt", "tsv", "dat", "parquet"] {
-        if name
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
-        {
-            name.set_extension("");
-        }
-    }
-    name.display().to_string()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_stem_has_no_endings() {
-        for (path, name) in [
-            ("a/TripA01.csv.gz", "TripA01"),
-            ("D01.txt", "D01"),
-            ("x.1.parquet", "x.1"),
-            ("-", "-"),
-            ("", ""),
-        ] {
-            assert_eq!(stem(Path::new(path)), name);
-        }
-    }
+    Ok(())
 }

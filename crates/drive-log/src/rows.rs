@@ -3,7 +3,8 @@
 use std::io::{BufRead, Read as _};
 use std::path::{Path, PathBuf};
 
-use crate::body::{cell, checked_fields};
+use crate::body::checked_fields;
+use crate::cells::cell;
 use crate::layout::{ChannelColumn, Plan, TimeColumns};
 use crate::log::positive;
 use crate::text::{decoded, fields};
@@ -102,13 +103,12 @@ impl<R: BufRead> RowReader<R> {
         let row = checked_fields(path, self.delimiter, self.headers.len(), line, &text)?;
         let mut value = |column: ChannelColumn| {
             let text = row[column.column];
-            let number =
-                cell(text, self.delimiter, &mut self.decimal_comma).ok_or_else(|| Error::Cell {
-                    path: path.clone(),
-                    line,
-                    header: self.headers[column.column].clone(),
-                    text: text.chars().take(60).collect(),
-                })?;
+            let number = cell(text, &mut self.decimal_comma).ok_or_else(|| Error::Cell {
+                path: path.clone(),
+                line,
+                header: self.headers[column.column].clone(),
+                text: text.chars().take(60).collect(),
+            })?;
             let mut si = [number];
             column.unit.convert(&mut si, column.sign);
             Ok(si[0])
@@ -190,9 +190,9 @@ impl<R: BufRead> Lines<R> {
             let read = (&mut self.input)
                 .take(LONGEST_LINE)
                 .read_until(b'\n', &mut self.text)
-                .map_err(|source| Error::Read {
+                .map_err(|problem| Error::Read {
                     path: self.path.clone(),
-                    source,
+                    problem,
                 })?;
             self.line += 1;
             if read as u64 == LONGEST_LINE {

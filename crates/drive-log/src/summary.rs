@@ -1,5 +1,7 @@
 //! What a prepared drive holds, in a few figures.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::{Channel, Drive, DriveLog};
@@ -24,6 +26,7 @@ impl From<DriveLog> for Drive {
     fn from(log: DriveLog) -> Drive {
         Drive {
             name: log.name().to_owned(),
+            origin: BTreeMap::new(),
             samples: log.len(),
             step_s: log.step_s(),
             findings: Vec::new(),

@@ -6,13 +6,18 @@ use std::path::Path;
 
 use crate::Error;
 use crate::layout::{Form, Head};
+use crate::number::{decided_mark, decimal_mark, number};
+use crate::top::Top;
 
 /// Columns of a file at most. Real logs have tens; a row per channel instead of a row per sample
 /// has millions.
 pub(crate) const MAX_COLUMNS: usize = 10_000;
 
 /// Rows that decide on delimiter and decimal mark.
-const SNIFFED_ROWS: usize = 20;
+pub(crate) const SNIFFED_ROWS: usize = 20;
+
+/// How lines begin that comment on a log.
+const COMMENT_MARKS: [&[u8]; 4] = [b"#", b"//", b"%", b"\"#"];
 
 /// A text table whose form is known.
 #[derive(Debug)]
@@ -21,12 +26,39 @@ pub(crate) struct Table<'a> {
     pub(crate) delimiter: u8,
     /// `None` if no number seen so far has a decimal mark.
     pub(crate) decimal_comma: Option<bool>,
+    /// Whether that is certain: `1.234` may be a thousand.
+    pub(crate) mark_decided: bool,
+    /// The line of the header, if there is one.
+    pub(crate) header_line: Option<&'a [u8]>,
+    /// Comments above the header: how many, and the first with its line.
+    pub(crate) comments: Option<(usize, usize, String)>,
     /// The rows.
-    pub(crate) body: &'a [u8],
+    pub(crate) body: Cow<'a, [u8]>,
     /// Line of the first row, from 1.
     pub(crate) first_line: usize,
+    /// The line of each row, where lines between them were left out of the body.
+    pub(crate) lines: Option<Vec<usize>>,
     /// Whether the file ended in the middle of a row, which is left out of the body.
     pub(crate) cut_off: bool,
+}
+
+impl Table<'_> {
+    /// The rows with their line in the file.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, &[u8])> {
+        let before = self.first_line - 1;
+        lines(&self.body)
+            .enumerate()
+            .map(move |(row, (line, text))| {
+                let known = self.lines.as_ref().and_then(|lines| lines.get(row));
+                (known.copied().unwrap_or(line + before), text)
+            })
+    }
+}
+
+/// Whether a line may be a comment.
+pub(crate) fn is_comment(line: &[u8]) -> bool {
+    let line = line.trim_ascii_start();
+    COMMENT_MARKS.iter().any(|mark| line.starts_with(mark))
 }
 
 /// The text without its byte order mark, if it is text.
@@ -113,68 +145,72 @@ fn line_len(mut text: &[u8]) -> usize {
     text.skip_until(b'\n').unwrap_or(text.len())
 }
 
+/// Text with a line feed at the end of every line: old loggers end lines with a carriage return
+/// alone.
+pub(crate) fn with_line_feeds(text: &[u8]) -> Cow<'_, [u8]> {
+    if text.contains(&b'\n') || !text.contains(&b'\r') {
+        return Cow::Borrowed(text);
+    }
+    let feed = |byte: &u8| if *byte == b'\r' { b'\n' } else { *byte };
+    Cow::Owned(text.iter().map(feed).collect())
+}
+
 /// Finds delimiter, decimal mark and header, as far as the layout's `form` leaves them open.
 pub(crate) fn table<'a>(path: &Path, text: &'a [u8], form: Form) -> Result<Table<'a>, Error> {
-    let mut after_preamble = lines(text).skip_while(|(line, _)| *line <= form.skip_lines);
-    let Some((header_line, first)) = after_preamble.next() else {
-        return Err(Error::NoData {
-            path: path.to_owned(),
-            found: "no header",
-        });
+    let top = Top::read(path, text, form)?;
+    let rows: Vec<Cow<'_, str>> = top.rows.iter().map(|(_, row)| decoded(row)).collect();
+    let delimiter = top.delimiter.unwrap_or_else(|| sniffed_delimiter(&rows));
+    let (decimal_comma, mark_decided) = match form.decimal_comma {
+        Some(comma) => (Some(comma), true),
+        None => sniffed_decimal_comma(&rows, delimiter),
     };
-    check_columns(path, first, form.delimiter)?;
-    let rows: Vec<Cow<'_, str>> = std::iter::once(first)
-        .chain(after_preamble.map(|(_, row)| row).take(SNIFFED_ROWS))
-        .map(decoded)
-        .collect();
-    let delimiter = form.delimiter.unwrap_or_else(|| sniffed_delimiter(&rows));
-    let decimal_comma = form
-        .decimal_comma
-        .or_else(|| sniffed_decimal_comma(&rows, delimiter));
-
-    let mut headers: Vec<String> = fields(&rows[0], delimiter)
-        .into_iter()
-        .map(str::to_owned)
-        .collect();
-    let has_header = !form.no_header && !headers.iter().all(|h| number(h, delimiter).is_some());
-    if has_header {
-        while headers.last().is_some_and(String::is_empty) {
-            headers.pop();
-        }
-    } else {
-        headers = (1..=headers.len())
-            .map(|column| format!("column {column}"))
-            .collect();
-    }
-    let skipped = if has_header {
-        header_line
-    } else {
-        header_line - 1
+    let header = top.header(&rows, delimiter, form.no_header);
+    let skipped = header
+        .as_ref()
+        .map_or(top.rows[0].0 - 1, |header| header.line);
+    let comments = top.comments_above(header.as_ref().map(|header| header.line));
+    let header_line = header.as_ref().map(|header| header.text);
+    let head = Head {
+        preamble: preamble(text, form.skip_lines),
+        has_header: header.is_some(),
+        line: header.as_ref().map_or(0, |header| header.line),
+        headers: header.map_or_else(
+            || numbered(fields(&rows[0], delimiter).len()),
+            |header| header.names,
+        ),
     };
-    let (body, cut_off) = whole_rows(after_lines(text, skipped), delimiter, headers.len());
+    let (body, cut_off) = whole_rows(after_lines(text, skipped), delimiter, head.headers.len());
     if body.is_empty() {
         return Err(Error::NoData {
             path: path.to_owned(),
             found: "a header without rows",
         });
     }
-    let preamble = lines(text)
-        .take_while(|(line, _)| *line <= form.skip_lines)
-        .map(|(_, line)| decoded(line).into_owned())
-        .collect();
-    let head = Head {
-        preamble,
-        headers,
-        has_header,
-    };
     Ok(Table {
         head,
         delimiter,
         decimal_comma,
-        body,
+        mark_decided,
+        header_line,
+        comments,
+        body: Cow::Borrowed(body),
         first_line: skipped + 1,
+        lines: None,
         cut_off,
     })
+}
+
+/// Names of columns without a header.
+fn numbered(columns: usize) -> Vec<String> {
+    let name = |column: usize| format!("column {column}");
+    (1..=columns).map(name).collect()
+}
+
+fn preamble(text: &[u8], lines_before: usize) -> Vec<String> {
+    lines(text)
+        .take_while(|(line, _)| *line <= lines_before)
+        .map(|(_, line)| decoded(line).into_owned())
+        .collect()
 }
 
 /// The rows without blank lines at the end, and without a last row that has too few fields and no end of line: a logger
@@ -190,21 +226,6 @@ fn whole_rows(rows: &[u8], delimiter: u8, expected: usize) -> (&[u8], bool) {
         }
         _ => (body, false),
     }
-}
-
-/// Counts before anything is built, so that a file with a row per channel fails at once.
-fn check_columns(path: &Path, line: &[u8], delimiter: Option<u8>) -> Result<(), Error> {
-    for candidate in delimiter.map_or(vec![b',', b';', b'\t', b' '], |d| vec![d]) {
-        let columns = line.iter().filter(|b| **b == candidate).count() + 1;
-        if columns > MAX_COLUMNS {
-            return Err(Error::TooManyColumns {
-                path: path.to_owned(),
-                columns,
-                limit: MAX_COLUMNS,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// The text after its first `count` lines.
@@ -238,27 +259,14 @@ fn sniffed_delimiter(rows: &[Cow<'_, str>]) -> u8 {
         })
 }
 
-fn sniffed_decimal_comma(rows: &[Cow<'_, str>], delimiter: u8) -> Option<bool> {
-    let body = rows.iter().skip(1).flat_map(|row| fields(row, delimiter));
-    body.filter(|field| number(field, delimiter).is_some())
-        .find_map(decimal_mark)
-}
-
-/// Whether the decimal mark of a number is a comma; `None` if it has none.
-pub(crate) fn decimal_mark(field: &str) -> Option<bool> {
-    field
-        .bytes()
-        .find(|b| matches!(b, b',' | b'.'))
-        .map(|b| b == b',')
-}
-
-/// A number with a decimal point, or a decimal comma where the comma does not delimit.
-pub(crate) fn number(field: &str, delimiter: u8) -> Option<f64> {
-    if delimiter != b',' && field.contains(',') {
-        if field.contains('.') {
-            return None;
-        }
-        return field.replacen(',', ".", 1).parse().ok();
+/// The decimal mark of the first number that tells it, and whether that is certain.
+fn sniffed_decimal_comma(rows: &[Cow<'_, str>], delimiter: u8) -> (Option<bool>, bool) {
+    let numbers = || {
+        let fields = rows.iter().skip(1).flat_map(|row| fields(row, delimiter));
+        fields.filter(|field| number(field).is_some())
+    };
+    match numbers().find_map(decided_mark) {
+        Some(comma) => (Some(comma), true),
+        None => (numbers().find_map(decimal_mark), false),
     }
-    field.parse().ok()
 }

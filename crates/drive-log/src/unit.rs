@@ -79,17 +79,20 @@ const fn temperature(
 }
 
 /// The first unit of each quantity is its SI unit, degrees Celsius for temperatures. A mile is 1609.344 m and a foot 0.3048 m
-/// (international yard and pound agreement, 1959); standard gravity is 9.80665 m/s² (3rd CGPM,
-/// 1901).
-const UNITS: [Unit; 28] = [
+/// (international yard and pound agreement, 1959), a nautical mile 1852 m (1929); standard gravity
+/// is 9.80665 m/s² (3rd CGPM, 1901).
+const UNITS: [Unit; 31] = [
     Unit::SECOND,
-    ratio(Quantity::Time, "ms", "ms", 1.0, 1e3),
-    ratio(Quantity::Time, "us", "us", 1.0, 1e6),
+    Unit::MILLISECOND,
+    Unit::MICROSECOND,
+    Unit::NANOSECOND,
     ratio(Quantity::Time, "min", "min", 60.0, 1.0),
     ratio(Quantity::Time, "h", "h", 3600.0, 1.0),
+    Unit::DAY,
     Unit::METRE_PER_SECOND,
     Unit::KILOMETRE_PER_HOUR,
     ratio(Quantity::Speed, "mph", "mph", 1609.344, 3600.0),
+    ratio(Quantity::Speed, "kn", "kn", 1852.0, 3600.0),
     Unit::METRE_PER_SECOND_SQUARED,
     ratio(Quantity::Acceleration, "g", "g", 9.80665, 1.0),
     ratio(Quantity::Slope, "rad", "rad", 1.0, 1.0),
@@ -112,8 +115,29 @@ const UNITS: [Unit; 28] = [
     temperature("degf", "°F", 32.0, 5.0, 9.0),
 ];
 
+/// Other words for a unit, by its suffix.
+const ALIASES: [(Quantity, &str, &str); 13] = [
+    (Quantity::Time, "sec", "s"),
+    (Quantity::Time, "secs", "s"),
+    (Quantity::Time, "seconds", "s"),
+    (Quantity::Time, "msec", "ms"),
+    (Quantity::Time, "days", "d"),
+    (Quantity::Speed, "kph", "kmh"),
+    (Quantity::Speed, "kmph", "kmh"),
+    (Quantity::Speed, "kt", "kn"),
+    (Quantity::Speed, "kts", "kn"),
+    (Quantity::Speed, "knot", "kn"),
+    (Quantity::Speed, "knots", "kn"),
+    (Quantity::Acceleration, "m/s²", "mps2"),
+    (Quantity::Acceleration, "m/s2", "mps2"),
+];
+
 impl Unit {
     pub(crate) const SECOND: Unit = ratio(Quantity::Time, "s", "s", 1.0, 1.0);
+    pub(crate) const MILLISECOND: Unit = ratio(Quantity::Time, "ms", "ms", 1.0, 1e3);
+    pub(crate) const MICROSECOND: Unit = ratio(Quantity::Time, "us", "us", 1.0, 1e6);
+    pub(crate) const NANOSECOND: Unit = ratio(Quantity::Time, "ns", "ns", 1.0, 1e9);
+    pub(crate) const DAY: Unit = ratio(Quantity::Time, "d", "d", 86_400.0, 1.0);
     pub(crate) const METRE: Unit = ratio(Quantity::Length, "m", "m", 1.0, 1.0);
     pub(crate) const METRE_PER_SECOND: Unit = ratio(Quantity::Speed, "mps", "m/s", 1.0, 1.0);
     pub(crate) const KILOMETRE_PER_HOUR: Unit = ratio(Quantity::Speed, "kmh", "km/h", 1.0, 3.6);
@@ -122,11 +146,19 @@ impl Unit {
 
     /// The unit that a header's suffix or a layout's `unit` names, upper and lower case alike.
     pub(crate) fn parse(quantity: Quantity, text: &str) -> Option<Unit> {
+        let text = ALIASES
+            .iter()
+            .find(|(of, alias, _)| *of == quantity && alias.eq_ignore_ascii_case(text))
+            .map_or(text, |(_, _, suffix)| suffix);
         UNITS.into_iter().find(|unit| {
             unit.quantity == quantity
                 && (unit.suffix.eq_ignore_ascii_case(text)
                     || unit.symbol.eq_ignore_ascii_case(text))
         })
+    }
+
+    pub(crate) fn quantity(self) -> Quantity {
+        self.quantity
     }
 
     /// The units of a quantity, for messages: `m/s, km/h, mph`.
@@ -192,6 +224,8 @@ mod tests {
         assert_eq!(si(Quantity::Speed, "km/h", 36.0), 10.0);
         assert_eq!(si(Quantity::Speed, "mph", 1.0), 0.44704);
         assert_eq!(si(Quantity::Speed, "kmh", 57.88), 57.88 / 3.6);
+        assert_eq!(si(Quantity::Speed, "knots", 3600.0), 1852.0);
+        assert_eq!(si(Quantity::Time, "d", 0.5), 43_200.0);
         assert_eq!(si(Quantity::Slope, "%", 100.0), std::f64::consts::FRAC_PI_4);
         assert_eq!(si(Quantity::Share, "1", 0.5), 50.0);
         assert_eq!(si(Quantity::Time, "ms", 100.0), 0.1);
@@ -201,9 +235,13 @@ mod tests {
 
     #[test]
     fn a_suffix_belongs_to_one_quantity() {
-        assert!(Unit::parse(Quantity::Speed, "knots").is_none());
+        assert!(Unit::parse(Quantity::Speed, "furlongs").is_none());
         assert!(Unit::parse(Quantity::Speed, "m").is_none());
-        assert_eq!(Unit::suffixes(Quantity::Speed), "_mps, _kmh, _mph");
+        assert_eq!(Unit::suffixes(Quantity::Speed), "_mps, _kmh, _mph, _kn");
+        for (quantity, alias, suffix) in ALIASES {
+            let unit = Unit::parse(quantity, alias).unwrap();
+            assert_eq!(unit.suffix, suffix);
+        }
     }
 
     #[test]

@@ -19,9 +19,9 @@ pub fn write_csv(log: &DriveLog, mut out: impl Write) -> Result<(), Error> {
     }
     let channels: Vec<&[f64]> = log.channels().map(|(_, values)| values).collect();
     let mut write = |line: &str| {
-        writeln!(out, "{line}").map_err(|source| Error::Write {
+        writeln!(out, "{line}").map_err(|problem| Error::Write {
             log: log.name().to_owned(),
-            source,
+            problem,
         })
     };
     write(&line)?;

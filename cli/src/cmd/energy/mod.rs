@@ -1,6 +1,7 @@
 mod text;
 mod trace;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -76,6 +77,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         .map(|(input, vehicle)| {
             Ok(Entry {
                 name: &input.drive.name,
+                origin: &input.drive.origin,
                 vehicle: &vehicle.spec().name,
                 energy: drive_energy(&input.drive, vehicle, args.slope_bandwidth, |_| {})?,
                 curve: None,
@@ -139,6 +141,7 @@ struct Totals<'a> {
 #[derive(Serialize)]
 struct Entry<'a> {
     name: &'a str,
+    origin: &'a BTreeMap<String, String>,
     vehicle: &'a str,
     #[serde(flatten)]
     energy: DriveEnergy,

@@ -101,7 +101,8 @@ fn bmw_i3() {
 #[test]
 fn rsk_twizy_over_midnight() {
     let log = log(
-        "Date,Time,Soc,Speed,ALT,SpeedLimit\n02/28/2021,23:59:59,80,36,10,60\n03/01/2021,00:00:00,80,36,10,60\n",
+        "Date,Time,Soc,Speed,Mode,ALT,GpsSpeed,WindSpeedAv,SpeedLimit\n\
+         02/28/2021,23:59:59,80,36,D,10,10,2,60\n03/01/2021,00:00:00,80,36,D,10,10,2,60\n",
     );
     assert_eq!(log.time_s(), [0.0, 1.0]);
     assert_eq!(log.channel(Channel::SpeedLimit).unwrap()[0], 60.0 / 3.6);
@@ -153,10 +154,36 @@ fn cycles_of_both_kinds() {
 
 #[test]
 fn igdir_without_a_header() {
-    let file = read("0\t0.0 \t0.00\n1\t36.0 \t0.50\n").unwrap();
+    let file = read(three_columns(3.6)).unwrap();
     assert_eq!(file.layout, "igdir");
-    assert_eq!(file.logs[0].channel(Channel::Speed).unwrap(), [0.0, 10.0]);
-    assert_eq!(file.logs[0].channel(Channel::Accel).unwrap(), [0.0, 0.5]);
+    let [speed, accel] = [Channel::Speed, Channel::Accel].map(|c| file.logs[0].channel(c).unwrap());
+    assert!((speed[15] - 9.29).abs() < 0.01 && (accel[15] - 1.0).abs() < 0.01);
+}
+
+/// Time, speed times `factor` and acceleration of a drive that speeds up and brakes.
+fn three_columns(factor: f64) -> String {
+    let row = |i: u32| {
+        let phase = f64::from(i) / 10.0;
+        let (speed, accel) = (10.0 * (1.0 - phase.cos()), phase.sin());
+        format!("{i}\t{:.2}\t{accel:.3}\n", factor * speed)
+    };
+    (0..100).map(row).collect()
+}
+
+/// Three columns of numbers may be anything: only a speed in km/h and its acceleration are taken.
+#[test]
+fn three_columns_without_a_header_are_checked_against_each_other() {
+    for factor in [1.0, 2.237, 36.0] {
+        let error = read(three_columns(factor)).unwrap_err().to_string();
+        assert!(
+            error.contains("km/h") && error.contains("headers with units"),
+            "{error}"
+        );
+    }
+    assert!(
+        read("0\t0.0\t0.00\n1\t36.0\t0.50\n").is_err(),
+        "too short to tell"
+    );
 }
 
 #[test]

@@ -9,14 +9,19 @@
 )]
 
 mod bad_input;
+mod divided;
 mod heating;
 mod held;
 mod layouts;
 mod plausibility;
+mod odd_rows;
+mod parquet_columns;
 mod quality;
 mod real_data;
 mod resample;
 mod roundtrip;
+mod shared_cases;
+mod times;
 
 use std::collections::BTreeMap;
 use std::path::Path;
