@@ -12,6 +12,7 @@ use crate::drives::EMBEDDED;
 use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::output;
 use crate::progress::Progress;
+use crate::words::plural;
 
 /// A prepared drive with where it came from.
 pub(crate) struct Input {
@@ -164,8 +165,9 @@ fn mention_findings(inputs: &[Input], context: &Context) {
         output::note(
             context,
             &format!(
-                "{found} findings in {logs} of {} logs; `drivekit inspect` lists them",
-                inputs.len()
+                "{} in {logs} of {}; `drivekit inspect` lists them",
+                plural(found, "finding"),
+                plural(inputs.len(), "log")
             ),
         );
     }

@@ -12,6 +12,7 @@ use driver_model::{
 use serde::Serialize;
 
 use super::courses::courses;
+use super::left_out;
 use super::model::words;
 use super::phases::PhaseArgs;
 use super::prior::PriorArgs;
@@ -176,7 +177,7 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         Model::Cruise => fit_cruise(&trips)?,
         Model::Following(kind) => fit_following(kind, &trips)?,
         Model::SpeedAhead(kind) => args.fit_ahead(kind, &inputs, context)?,
-        Model::Trip => fit_trip_driver(&inputs)?,
+        Model::Trip => fit_trip_driver(&inputs, context)?,
     };
     let record = TrainingRecord {
         phases: fitted.phases,
@@ -243,11 +244,13 @@ impl FitArgs {
         context: &Context,
     ) -> anyhow::Result<Fitted> {
         let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
-        let courses: Vec<&Course> = courses.iter().flatten().collect();
         let settings = DirectSettings {
             slope_ahead: self.slope_ahead,
             ..DirectSettings::at(&self.horizons)
         };
+        let (courses, left_out) = settings.usable(courses.into_iter().flatten().collect())?;
+        left_out::mention(&left_out, context);
+        let courses: Vec<&Course> = courses.iter().collect();
         let model = DirectModel::fit(kind, &courses, &settings)?;
         Ok(Fitted {
             phases: courses.len(),
@@ -298,14 +301,16 @@ fn fit_following(kind: FollowingKind, trips: &[Trip]) -> anyhow::Result<Fitted> 
     })
 }
 
-fn fit_trip_driver(inputs: &[Input]) -> anyhow::Result<Fitted> {
+fn fit_trip_driver(inputs: &[Input], context: &Context) -> anyhow::Result<Fitted> {
     let logs: Vec<&DriveLog> = inputs
         .iter()
         .flat_map(|input| &input.drive.pieces)
         .collect();
+    let (driver, left_out) = TripDriver::fit_usable(&logs)?;
+    left_out::mention(&left_out, context);
     Ok(Fitted {
-        model: FittedModel::Trip(TripDriver::fit(&logs)?),
-        phases: logs.len(),
+        model: FittedModel::Trip(driver),
+        phases: logs.len() - left_out.len(),
         points: 0,
         residual_sum_of_squares: None,
     })

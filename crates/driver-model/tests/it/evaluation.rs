@@ -97,7 +97,7 @@ fn one_trip_or_no_phase_is_an_error() {
         leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})
     };
     let alone = run(&trips[..1]);
-    assert!(matches!(alone, Err(Error::TooFewTrips { found: 1 })));
+    assert!(matches!(alone, Err(Error::TooFewTrips { found: 1, .. })));
     for trip in &mut trips {
         trip.phases.clear();
     }
