@@ -3,13 +3,16 @@
 /// Names in a list at most; more are counted.
 const MOST_NAMES: usize = 8;
 
-/// `1 drive`, `2 drives`, `2 stretches`.
+/// `1 drive`, `2 drives`, `2 stretches of cruising`: the plural is of the word before ` of `, ` behind ` or ` under `, or of the last.
 pub(crate) fn plural(count: usize, noun: &str) -> String {
-    match count {
-        1 => format!("1 {noun}"),
-        _ if noun.ends_with("ch") => format!("{count} {noun}es"),
-        _ => format!("{count} {noun}s"),
+    if count == 1 {
+        return format!("1 {noun}");
     }
+    let places = [" of ", " behind ", " under "].into_iter();
+    let end = places.filter_map(|word| noun.find(word)).min();
+    let (noun, rest) = noun.split_at(end.unwrap_or(noun.len()));
+    let ending = if noun.ends_with("ch") { "es" } else { "s" };
+    format!("{count} {noun}{ending}{rest}")
 }
 
 /// `a, b and 3 more`.
@@ -31,6 +34,10 @@ mod tests {
         assert_eq!(plural(1, "finding"), "1 finding");
         assert_eq!(plural(0, "finding"), "0 findings");
         assert_eq!(plural(12, "stretch"), "12 stretches");
+        assert_eq!(
+            plural(2, "phase under a leader's influence"),
+            "2 phases under a leader's influence"
+        );
     }
 
     #[test]

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use driver_model::{Error, LeftOut, Trip};
 use serde::Serialize;
 
+use crate::cmd::left_out::{contents, contents_of};
 use crate::flags::Context;
 use crate::output;
-use crate::words::plural;
 
 /// Everything that an evaluation of phases may have figures of.
 const PARTS: usize = 4;
@@ -55,14 +55,8 @@ impl Missing {
             .parts
             .iter()
             .map(|(part, reason)| format!("\n  {part}: {reason}"));
-        let drives = trips
-            .iter()
-            .map(|trip| format!("\n  {}: {}", trip.name, contents(trip)));
-        anyhow::anyhow!(
-            "nothing to evaluate{}{}",
-            parts.collect::<String>(),
-            drives.collect::<String>()
-        )
+        let parts = parts.collect::<String>();
+        anyhow::anyhow!("nothing to evaluate{parts}{}", contents_of(trips))
     }
 }
 
@@ -76,16 +70,4 @@ pub(super) fn without_anything(trips: &[Trip]) -> Vec<LeftOut> {
         reason: contents(trip),
     };
     trips.iter().filter(empty).map(left_out).collect()
-}
-
-fn contents(trip: &Trip) -> String {
-    let behind = trip.lead_influenced;
-    match behind.acceleration + behind.braking {
-        0 if trip.phases.is_empty() => "no phase that counts".to_owned(),
-        0 => format!("{} that count", plural(trip.phases.len(), "phase")),
-        influenced => format!(
-            "{} that count, {influenced} under a leader's influence",
-            plural(trip.phases.len(), "phase")
-        ),
-    }
 }

@@ -66,18 +66,22 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => Vec::new(),
         _ => args.phases.trips(&inputs, context)?,
     };
-    let mut left_out = Vec::new();
+    let left_out: Vec<LeftOut>;
     let (document, text) = match &file.model {
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
             let kind = match file.model {
                 FittedModel::Braking(_) => PhaseKind::Braking,
                 _ => PhaseKind::Acceleration,
             };
+            let has_some = |trip: &Trip| trip.phases_of(kind).next().is_some();
+            left_out = left_out::without(&trips, has_some, "no phase that counts");
             let entry = |trip| Entry::of_phases(trip, kind, model, args.band / 3.6);
             let logs: Vec<_> = trips.iter().map(entry).collect();
             (serde_json::to_value(&logs)?, phase_table(&logs))
         }
         FittedModel::Cruise(model) => {
+            let has_some = |trip: &Trip| !trip.cruise.is_empty();
+            left_out = left_out::without(&trips, has_some, "no stretch of cruising that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_cruise(trip, model))
@@ -85,6 +89,9 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
             (serde_json::to_value(&logs)?, cruise_table(&logs))
         }
         FittedModel::Following(model) => {
+            let has_some = |trip: &Trip| !trip.following.is_empty();
+            left_out =
+                left_out::without(&trips, has_some, "no stretch behind a vehicle that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_following(trip, model))

@@ -201,10 +201,13 @@ impl Calibration {
             }
         };
         let mut spec = with_values(vehicle.spec(), &fit.bounded, &fit.values);
-        let count = trips.len();
+        let count = match trips.len() {
+            1 => "1 trip".to_owned(),
+            count => format!("{count} trips"),
+        };
         for parameter in &fit.bounded {
             let source = Source {
-                source: format!("fitted to the measured battery power of {count} trips"),
+                source: format!("fitted to the measured battery power of {count}"),
                 confidence: Confidence::Fitted,
             };
             spec.sources.insert(parameter.key().to_owned(), source);

@@ -29,6 +29,8 @@ pub(super) struct Body<'a> {
     left_out: BTreeMap<&'a str, &'a str>,
     /// Drives that cannot be used, with the reason.
     pub(super) left_out_drives: &'a [LeftOut],
+    /// Parts without figures, with the reason.
+    pub(super) not_evaluated: BTreeMap<&'static str, String>,
     /// The vehicle, where none was named.
     pub(super) default_vehicle: Option<&'static str>,
 }
@@ -157,6 +159,7 @@ impl<'a> Body<'a> {
                 .collect(),
             free_run: free_runs.map(FreeRun::new),
             left_out_drives: &[],
+            not_evaluated: BTreeMap::new(),
             default_vehicle: None,
             left_out: evaluation
                 .left_out

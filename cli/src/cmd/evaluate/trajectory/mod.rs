@@ -4,6 +4,8 @@ mod document;
 mod free_run;
 mod text;
 
+use std::collections::BTreeMap;
+
 use anyhow::bail;
 use clap::Args;
 use drive_log::{Channel, DriveLog};
@@ -62,8 +64,9 @@ impl EvaluateArgs {
         for (model, reason) in &evaluation.left_out {
             output::note(context, &format!("`{model}` is left out: {reason}"));
         }
+        let mut not_evaluated = BTreeMap::new();
         if !data.has_limits() {
-            output::note(context, &without_limits(inputs));
+            not_evaluated.insert("trials", without_limits(inputs));
         }
         let units = self.units(inputs);
         let free_run_settings = FreeRunSettings {
@@ -73,12 +76,16 @@ impl EvaluateArgs {
         };
         let free_runs = free_run::evaluate(inputs, &units, &free_run_settings, vehicle);
         if let Err(reason) = &free_runs {
-            output::note(context, &format!("no whole trips from the road: {reason}"));
+            not_evaluated.insert("free_run", reason.to_string());
+        }
+        for (part, reason) in &not_evaluated {
+            output::note(context, &format!("no figures of {part}: {reason}"));
         }
         let free_runs = free_runs.ok();
         let mut body = document::Body::new(&data, &settings, &evaluation, free_runs.as_ref());
         body.default_vehicle = self.vehicle.by_default();
         body.left_out_drives = &left_out;
+        body.not_evaluated = not_evaluated;
         let document = Document::new("evaluate", self, inputs, body);
         let figures = serde_json::to_value(&document)?;
         if let Some(path) = &self.report {
@@ -186,13 +193,12 @@ fn without_limits(inputs: &[Input]) -> String {
         let limit_mps = log.channel(Channel::SpeedLimit);
         limit_mps.is_some_and(|limit| limit.iter().any(|limit| limit.is_finite()))
     };
-    let reason = match pieces().filter(known).count() {
+    match pieces().filter(known).count() {
         0 => "no speed limits".to_owned(),
         some => format!(
             "speed limits in {some} of {}, less than half of the time, so that no model is told of them; \
              give those logs alone to use them",
             plural(pieces().count(), "drive")
         ),
-    };
-    format!("{reason}: the trials of the thesis are left out")
+    }
 }
