@@ -34,6 +34,9 @@ const SINGULAR: f64 = 1e-12;
 /// Speeds in motion that deviate by less than this share of their mean are one.
 const ONE_SPEED: f64 = 0.05;
 
+/// Trips that an interval needs.
+const FEWEST_TRIPS: usize = 3;
+
 /// Slower is standing, m/s.
 const STANDING_MPS: f64 = 0.5;
 
@@ -49,9 +52,8 @@ pub(super) enum Untold {
         correlation: f64,
     },
     AtBound(&'static str),
-    /// Too few trips for an interval.
-    FewTrips,
-    /// The trips are all alike.
+    /// So many different trips are too few for an interval.
+    FewTrips(usize),
     NoWidth,
     /// The interval is wide.
     Wide,
@@ -73,7 +75,12 @@ impl fmt::Display for Untold {
                 )
             }
             Self::AtBound(bound) => write!(f, "ran into its {bound} bound"),
-            Self::FewTrips => f.write_str("an interval needs three trips"),
+            Self::FewTrips(different) => {
+                write!(
+                    f,
+                    "an interval needs 3 different trips, different ones are {different}"
+                )
+            }
             Self::NoWidth => f.write_str("an interval of width 0: the trips are all alike"),
             Self::Wide => f.write_str("the interval covers half of what is allowed"),
         }
@@ -199,10 +206,14 @@ fn bound(parameter: &Bounded, value: f64) -> Option<&'static str> {
     }
 }
 
-/// What a 95 % interval does not tell about a parameter, and how wide it is as a share of what is allowed.
-pub(super) fn untold_by(ci95: Option<[f64; 2]>, lower: f64, upper: f64) -> Option<(Untold, f64)> {
-    let Some([low, high]) = ci95 else {
-        return Some((Untold::FewTrips, f64::INFINITY));
+/// What a 95 % interval of so many different trips does not tell about a parameter, and how wide it is as a share of what is allowed.
+pub(super) fn untold_by(
+    ci95: Option<[f64; 2]>,
+    different: usize,
+    [lower, upper]: [f64; 2],
+) -> Option<(Untold, f64)> {
+    let Some([low, high]) = ci95.filter(|_| different >= FEWEST_TRIPS) else {
+        return Some((Untold::FewTrips(different), f64::INFINITY));
     };
     let share = (high - low) / (upper - lower);
     if share < NO_WIDTH {
@@ -260,13 +271,12 @@ mod tests {
 
     #[test]
     fn intervals_tell_if_they_are_neither_empty_nor_wide() {
-        let told = |low: f64, high: f64| untold_by(Some([low, high]), 0.0, 1.0).map(|(why, _)| why);
+        let of = |ci95, different| untold_by(ci95, different, [0.0, 1.0]).map(|(why, _)| why);
+        let told = |low: f64, high: f64| of(Some([low, high]), 3);
         assert_eq!(told(0.3, 0.6), None);
         assert_eq!(told(0.3, 0.3), Some(Untold::NoWidth));
         assert_eq!(told(0.2, 0.8), Some(Untold::Wide));
-        assert_eq!(
-            untold_by(None, 0.0, 1.0).map(|(why, _)| why),
-            Some(Untold::FewTrips)
-        );
+        assert_eq!(of(None, 2), Some(Untold::FewTrips(2)));
+        assert_eq!(of(Some([0.3, 0.6]), 1), Some(Untold::FewTrips(1)));
     }
 }

@@ -270,8 +270,11 @@ impl Calibration {
             .parameters
             .iter()
             .filter(|parameter| parameter.identified);
+        let different = trip::different(trips);
         let untold: Vec<_> = free
-            .filter_map(|p| untold_by(p.ci95, p.lower, p.upper).map(|(why, share)| (p, why, share)))
+            .filter_map(|p| {
+                untold_by(p.ci95, different, [p.lower, p.upper]).map(|(why, share)| (p, why, share))
+            })
             .collect();
         let widest = untold
             .iter()
