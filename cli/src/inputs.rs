@@ -78,8 +78,10 @@ pub(crate) fn load_quietly(args: &LogArgs, context: &Context) -> anyhow::Result<
         output::detail(
             context,
             &format!(
-                "{}: layout {}, {} samples",
-                input.path, input.layout, input.drive.samples
+                "{}: layout {}, {}",
+                input.path,
+                input.layout,
+                plural(input.drive.samples, "sample")
             ),
         );
     }

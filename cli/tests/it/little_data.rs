@@ -109,21 +109,6 @@ fn going_back_and_noise_at_standstill_are_driving() {
 }
 
 #[test]
-fn an_error_about_one_of_many_logs_names_it() {
-    let steep = log("speed_mps,grade_rad", 20, |_| "10,1.6".to_owned());
-    let fine = log("speed_mps", 20, |t| format!("{}", 10.0 + t.sin()));
-    let logs = folder(&[("fine", fine), ("steep", steep)]);
-    for command in ["energy", "evaluate", "portrait"] {
-        let run = drivekit(&[command, path(&logs), "--vehicle", "b250e"]);
-        assert!(
-            run.code == 0 || run.stderr.contains("steep"),
-            "{command}: {}",
-            run.stderr
-        );
-    }
-}
-
-#[test]
 fn cruising_is_evaluated_where_nobody_accelerates() {
     let cruise = |phase: f64| {
         log("speed_kmh", 200, |t| {
