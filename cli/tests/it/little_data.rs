@@ -244,22 +244,16 @@ fn trip_drivers_learn_from_the_roads_that_are_known() {
 fn a_short_piece_does_not_stop_dynamic_programming() {
     let cut = |rows: usize| drive(1, move |lines| lines.truncate(rows));
     let logs = folder(&[("long", cut(1000)), ("short", cut(60))]);
-    let arguments = |folder| {
-        [
-            "segment",
-            folder,
+    let run = |folder: &str| {
+        let method = [
             "--method",
             "dynamic",
             "--segments",
             "20",
             "--format",
             "json",
-        ]
-        .map(str::to_owned)
-    };
-    let run = |folder: &str| {
-        let arguments = arguments(folder);
-        drivekit(&arguments.each_ref().map(String::as_str))
+        ];
+        drivekit(&[&["segment", folder][..], &method].concat())
     };
     let document = run(path(&logs)).ok().json();
     assert_eq!(left_out(&document), ["short"]);

@@ -117,7 +117,7 @@ pub struct TrajectoryEvaluation {
 /// `progress` is called [`TrajectorySettings::steps`] times.
 ///
 /// # Errors
-/// [`Error::TooFewTrips`] with fewer units than folds or less than two folds, [`Error::Steps`] for drives of different sampling
+/// [`Error::TooFewTrips`] with fewer units than folds, [`Error::Option`] for less than two folds, [`Error::Steps`] for drives of different sampling
 /// intervals, and what all models refuse alike. Drives that lack something are to be left out before, by
 /// [`TrajectoryData::usable`].
 pub fn evaluate_trajectory(
@@ -126,10 +126,16 @@ pub fn evaluate_trajectory(
     settings: &TrajectorySettings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<TrajectoryEvaluation, Error> {
-    if settings.folds < 2 || data.units.len() < settings.folds {
+    Error::unless_at_least(
+        "folds",
+        settings.folds as f64,
+        2.0,
+        "at least 2, so that other drives are left to learn from",
+    )?;
+    if data.units.len() < settings.folds {
         return Err(Error::TooFewTrips {
             found: data.units.len(),
-            needed: settings.folds.max(2),
+            needed: settings.folds,
         });
     }
     let contestants = settings.contestants(data.has_limits());

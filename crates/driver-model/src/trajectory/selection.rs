@@ -61,13 +61,17 @@ impl DirectSettings {
     }
 }
 
-/// Leaves out the drives without limits, or all limits.
+/// Leaves out the drives without limits, or all limits: where the drives with limits are few, or are of one unit, which leaves nothing
+/// to learn from when it is held out.
 fn with_or_without_limits(usable: &mut Vec<(usize, Course)>, left_out: &mut Vec<LeftOut>) {
     let time_s = |(_, course): &(usize, Course)| course.len() as f64 * course.step_s;
     let has_limits = |(_, course): &(usize, Course)| course.limit_mps.is_some();
     let all_s: f64 = usable.iter().map(time_s).sum();
-    let with_limits_s: f64 = usable.iter().filter(|c| has_limits(c)).map(time_s).sum();
-    if with_limits_s < LEAST_WITH_LIMITS * all_s {
+    let with_limits: Vec<_> = usable.iter().filter(|c| has_limits(c)).collect();
+    let with_limits_s: f64 = with_limits.iter().map(|c| time_s(c)).sum();
+    let one_unit = |units: &[&(usize, Course)]| units.windows(2).all(|pair| pair[0].0 == pair[1].0);
+    let costs_the_rest = one_unit(&with_limits) && !one_unit(&usable.iter().collect::<Vec<_>>());
+    if with_limits_s < LEAST_WITH_LIMITS * all_s || costs_the_rest {
         for (_, course) in usable {
             course.limit_mps = None;
         }
@@ -179,6 +183,17 @@ mod tests {
                 .iter()
                 .all(|course| course.limit_mps.is_none())
         );
+    }
+
+    #[test]
+    fn one_unit_with_limits_does_not_cost_the_only_other_one() {
+        let drives = vec![course("a", 100, true), course("b", 50, false)];
+        let (usable, left_out) = data(drives).usable(&DirectSettings::default()).unwrap();
+        assert_eq!((usable.units.len(), left_out.len()), (2, 0));
+        assert!(!usable.has_limits());
+        let fitted = vec![course("a", 100, true), course("b", 50, false)];
+        let (courses, left_out) = DirectSettings::default().usable(fitted).unwrap();
+        assert_eq!((courses.len(), left_out.len()), (1, 1));
     }
 
     #[test]

@@ -196,7 +196,7 @@ fn without_limits(inputs: &[Input]) -> String {
     match pieces().filter(known).count() {
         0 => "no speed limits".to_owned(),
         some => format!(
-            "speed limits in {some} of {}, less than half of the time, so that no model is told of them; \
+            "speed limits in {some} of {}, less than half of the time or of one drive, so that no model is told of them; \
              give those logs alone to use them",
             plural(pieces().count(), "drive")
         ),
