@@ -20,8 +20,6 @@ use crate::words::plural;
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     hold_out: HoldOut,
-    /// The vehicle, where none was named.
-    default_vehicle: Option<&'static str>,
     /// Acceleration on the outside, as scripts have known it.
     #[serde(flatten)]
     acceleration: Kind<'a>,
@@ -35,6 +33,8 @@ pub(super) struct Body<'a> {
     not_evaluated: &'a Missing,
     /// Drives that have nothing to evaluate.
     left_out_drives: &'a [LeftOut],
+    /// The vehicle, where none was named.
+    default_vehicle: Option<&'static str>,
 }
 
 /// Functions of speed fitted to everything.
