@@ -13,6 +13,7 @@ use crate::drives::EMBEDDED;
 use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::output;
 use crate::progress::Progress;
+use crate::words::plural;
 
 /// A prepared drive with where it came from.
 pub(crate) struct Input {
@@ -81,8 +82,10 @@ pub(crate) fn load_quietly(args: &LogArgs, context: &Context) -> anyhow::Result<
         output::detail(
             context,
             &format!(
-                "{}: layout {}, {} samples",
-                input.path, input.layout, input.drive.samples
+                "{}: layout {}, {}",
+                input.path,
+                input.layout,
+                plural(input.drive.samples, "sample")
             ),
         );
     }
@@ -168,8 +171,9 @@ fn mention_findings(inputs: &[Input], context: &Context) {
         output::note(
             context,
             &format!(
-                "{found} findings in {logs} of {} logs; `drivekit inspect` lists them",
-                inputs.len()
+                "{} in {logs} of {}; `drivekit inspect` lists them",
+                plural(found, "finding"),
+                plural(inputs.len(), "log")
             ),
         );
     }

@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod require;
 mod view;
+mod words;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -7,6 +7,7 @@ use driver_model::{CalibrationReport, CalibrationScore, calibrate_vehicle};
 use ev_energy::{ParameterEstimate, VehicleSpec};
 use serde::Serialize;
 
+use super::left_out;
 use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -16,12 +17,14 @@ use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// Fit a vehicle to measured battery power, and say how far to trust it
 ///
 /// Mass, road load, auxiliaries, losses and limits of regeneration are fitted within bounds to volts times amps. Every trip weighs
 /// the same. Each trip is then held out once and predicted by a vehicle that is fitted to the others: that error is what to expect
-/// of the next trip. The result is a vehicle file for `--vehicle` of every other subcommand.
+/// of the next trip. A parameter that these trips do not tell keeps its value, and the output says so. The result is a vehicle file
+/// for `--vehicle` of every other subcommand.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
 Examples:
@@ -58,14 +61,12 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     let progress = Progress::new(context, "fitting", drives.len() + 1);
     let report = calibrate_vehicle(&drives, &start, args.slope_bandwidth, &|| progress.step())?;
     drop(progress);
-    for name in &report.unmeasured {
-        output::note(
-            context,
-            &format!("{name} has less than a minute of volts and amps; left out"),
-        );
+    left_out::mention(&report.left_out_drives, context);
+    if let Some(kept) = kept(&report) {
+        output::note(context, &kept);
     }
-
-    let file = vehicle_file(&args.output, &report).to_toml()?;
+    let spec = vehicle_file(&args.output, &report);
+    let file = comments(&start.spec().name, &report) + &spec.to_toml()?;
     output::write_file(&args.output, |out| Ok(out.write_all(file.as_bytes())?))?;
     output::note(
         context,
@@ -107,6 +108,46 @@ fn vehicle_file(file: &Path, report: &CalibrationReport) -> VehicleSpec {
         spec.name = stem.to_string_lossy().into_owned();
     }
     spec
+}
+
+/// Which parameters keep their values, in one line.
+fn kept(report: &CalibrationReport) -> Option<String> {
+    let keys: Vec<&str> = report.untold().map(|parameter| parameter.key).collect();
+    (!keys.is_empty()).then(|| {
+        let of = plural(report.parameters.len(), "parameter");
+        format!(
+            "not told by these trips, keep their values: {} of {of}, {}",
+            keys.len(),
+            keys.join(", ")
+        )
+    })
+}
+
+/// The head of a vehicle file: what was not told, and why.
+fn comments(start: &str, report: &CalibrationReport) -> String {
+    let mut lines = format!(
+        "# Calibrated from {start} to {}.\n",
+        plural(report.trips.len(), "trip")
+    );
+    for parameter in report.untold() {
+        let ParameterEstimate {
+            key,
+            start,
+            tried,
+            remark,
+            ..
+        } = parameter;
+        let tried = tried.map_or_else(String::new, |tried| format!(" (a fit made it {tried:.6})"));
+        let _ = writeln!(lines, "# {key} is still {start}{tried}; {remark}.");
+    }
+    for left_out in &report.left_out_drives {
+        let _ = writeln!(
+            lines,
+            "# {} is left out: {}.",
+            left_out.log, left_out.reason
+        );
+    }
+    lines + "\n"
 }
 
 fn text(report: &CalibrationReport) -> String {
@@ -159,6 +200,7 @@ fn parameters(estimates: &[ParameterEstimate]) -> Table {
         "unit",
         "before",
         "fitted",
+        "tried",
         "95 % from",
         "to",
         "+10 % does W",
@@ -173,6 +215,7 @@ fn parameters(estimates: &[ParameterEstimate]) -> Table {
             estimate.unit.to_owned(),
             number(estimate.start, digits),
             number(estimate.value, digits),
+            number(estimate.tried, digits),
             number(estimate.ci95.map(|ci| ci[0]), digits),
             number(estimate.ci95.map(|ci| ci[1]), digits),
             number(estimate.sensitivity_w, 0),

@@ -11,6 +11,7 @@ use crate::inputs::{self, Input};
 use crate::output;
 use crate::render::json::{Document, Logs};
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// What is in a log, and what is wrong with it
 ///
@@ -91,10 +92,7 @@ fn text(input: &Input) -> String {
         input.layout,
         number(drive.duration_s(), 1),
         number(drive.distance_m() / 1e3, 2),
-        match drive.pieces.len() {
-            1 => "1 piece".to_owned(),
-            n => format!("{n} pieces"),
-        },
+        plural(drive.pieces.len(), "piece"),
     );
     let mut table = Table::new(["channel", "min", "mean", "max", "missing %"]);
     for channel in drive.channel_summaries() {
@@ -111,11 +109,7 @@ fn text(input: &Input) -> String {
         text.push_str("\nno findings\n");
         return text;
     }
-    let count = match drive.findings.len() {
-        1 => "1 finding".to_owned(),
-        n => format!("{n} findings"),
-    };
-    let _ = writeln!(text, "\n{count}");
+    let _ = writeln!(text, "\n{}", plural(drive.findings.len(), "finding"));
     for finding in &drive.findings {
         let _ = writeln!(
             text,

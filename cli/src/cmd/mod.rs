@@ -8,6 +8,7 @@ pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod fit;
 pub(crate) mod inspect;
+pub(crate) mod left_out;
 pub(crate) mod man;
 pub(crate) mod model;
 pub(crate) mod phases;
@@ -17,6 +18,7 @@ pub(crate) mod prior;
 pub(crate) mod segment;
 pub(crate) mod synth;
 pub(crate) mod vehicle;
+pub(crate) mod vehicle_arg;
 
 use crate::cli::Command;
 use crate::exit::Outcome;

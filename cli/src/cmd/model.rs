@@ -19,6 +19,7 @@ use crate::render::chart;
 use crate::render::json::Document;
 use crate::render::model_svg::{self, Example};
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// Model files
 #[derive(Debug, Subcommand)]
@@ -121,13 +122,13 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
     }
     let _ = writeln!(
         text,
-        "\n\n{}\n\nfitted by drivekit {} to {} phases or stretches and {} points of {} logs; prior: {} logs, weight {}\n",
+        "\n\n{}\n\nfitted by drivekit {} to {} phases or stretches and {} of {}; prior: {}, weight {}\n",
         words(file),
         file.version,
         training.phases,
-        training.points,
-        training.inputs.len(),
-        training.prior_inputs.len(),
+        plural(training.points, "point"),
+        plural(training.inputs.len(), "log"),
+        plural(training.prior_inputs.len(), "log"),
         training.prior_weight,
     );
     match &file.model {
@@ -339,10 +340,10 @@ fn phase_words(verb: &str, model: &DriverModel) -> String {
         DriverModel::RiseTime(m) | DriverModel::RiseTimeExact(m) => {
             let lines = m.groups.iter().map(|g| {
                 format!(
-                    "{} km/h: T_c = {:.3} s ({} phases)",
+                    "{} km/h: T_c = {:.3} s ({})",
                     g.group.name(),
                     g.time_constant_s,
-                    g.phases
+                    plural(g.phases, "phase")
                 )
             });
             lines.collect::<Vec<_>>().join("\n")
@@ -400,17 +401,17 @@ fn transition_point(model: &TransitionPoint) -> String {
             } => format!("order {order}, T_c = {time_constant_s:.3} s"),
         };
         format!(
-            "{} km/h: {response} ({} phases; thrown away: {} of another form, {} not identified)",
+            "{} km/h: {response} ({}; thrown away: {} of another form, {} not identified)",
             g.group.name(),
-            g.phases,
+            plural(g.phases, "phase"),
             g.other_form,
             g.unidentified
         )
     });
     let mut lines: Vec<String> = lines.collect();
     lines.push(format!(
-        "{} phases are thrown away in all.",
-        model.thrown_away()
+        "thrown away in all: {}.",
+        plural(model.thrown_away(), "phase")
     ));
     lines.join("\n")
 }

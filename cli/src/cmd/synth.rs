@@ -12,6 +12,7 @@ use crate::flags::{Context, Format};
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// Simulated drives with known truth
 ///
@@ -185,9 +186,9 @@ fn text(drives: &[SimulatedDrive], folder: &Path) -> String {
         ]);
     }
     format!(
-        "{}\nwritten to {}, with truth.json and true-model.json: {} drives\n",
+        "{}\nwritten to {}, with truth.json and true-model.json: {}\n",
         table.render(),
         folder.display(),
-        drives.len()
+        plural(drives.len(), "drive")
     )
 }

@@ -8,6 +8,8 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use crate::words::plural;
+
 /// What the drawing library may report.
 pub(crate) type PlotError = DrawingAreaErrorKind<std::io::Error>;
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -388,8 +390,8 @@ fn with_header(picture: &str, plots: &[SpeedPlot<'_>], height_px: u32) -> String
             escaped(plot.title)
         ),
         _ => format!(
-            "Speed over time of {} drives, coloured by driving phase",
-            plots.len()
+            "Speed over time of {}, coloured by driving phase",
+            plural(plots.len(), "drive")
         ),
     };
     format!(

@@ -82,8 +82,9 @@ fn logs_without_battery_are_named_or_refused() {
     let drive = fixture("drives/drive-01.csv");
     let run = drivekit(&["calibrate", blind, &drive, "--vehicle", "b250e", "-o", out]).ok();
     assert!(
-        run.stderr
-            .contains("blind has less than a minute of volts and amps"),
+        run.stderr.contains(
+            "left out, less than a minute of volts and amps, which are the measured power: blind"
+        ),
         "{}",
         run.stderr
     );

@@ -56,7 +56,10 @@ fn keys_come_in_the_documented_order() {
             "learning_curve",
             "cruise",
             "following",
-            "system_identification"
+            "system_identification",
+            "not_evaluated",
+            "left_out_drives",
+            "default_vehicle"
         ]
     );
 }

@@ -25,6 +25,7 @@ mod fit_predict;
 mod flags;
 mod follow;
 mod inspect;
+mod little_data;
 mod portrait;
 mod program;
 mod segment;

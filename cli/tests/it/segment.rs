@@ -105,8 +105,7 @@ fn dynamic_programming_says_that_it_is_certified_and_shows_the_knee() {
     let document = drivekit(&exact).ok().json();
     assert_eq!(document["logs"][0]["metrics"]["segments"], 12);
     assert_eq!(document["logs"][0]["optimality_gap"], 0.0);
-    drivekit(&[&run[..], &["--segments", "500"]].concat())
-        .refused(&["500 segments", "2500 samples"]);
+    drivekit(&[&run[..], &["--segments", "500"]].concat()).refused(&["drive-03", "2500 samples"]);
 }
 
 #[test]

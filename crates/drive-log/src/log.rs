@@ -151,15 +151,26 @@ impl DriveLog {
         }
     }
 
-    /// Distance driven since the first sample, m: the trapezoidal rule over the speed.
+    /// Distance driven since the first sample, m: the trapezoidal rule over the magnitude of the speed, so that it never decreases.
     #[must_use]
     pub fn distance_m(&self) -> Vec<f64> {
-        let speed_mps = self.speed_mps();
-        let mut distance_m = vec![0.0; speed_mps.len()];
-        for (i, pair) in speed_mps.windows(2).enumerate() {
-            distance_m[i + 1] = distance_m[i] + 0.5 * (pair[0] + pair[1]) * self.step_s;
-        }
-        distance_m
+        self.summed_m(f64::abs)
+    }
+
+    /// Place along the road, m from the first sample: as [`Self::distance_m`], but less again where the car goes back.
+    #[must_use]
+    pub fn place_m(&self) -> Vec<f64> {
+        self.summed_m(|travelled_m| travelled_m)
+    }
+
+    fn summed_m(&self, counted: fn(f64) -> f64) -> Vec<f64> {
+        let steps = self.speed_mps().windows(2);
+        let travelled_m = steps.map(|pair| 0.5 * (pair[0] + pair[1]) * self.step_s);
+        let sum = travelled_m.scan(0.0, |sum, travelled_m| {
+            *sum += counted(travelled_m);
+            Some(*sum)
+        });
+        std::iter::once(0.0).chain(sum).collect()
     }
 }
 

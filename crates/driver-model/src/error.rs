@@ -1,10 +1,12 @@
+use serde::Serialize;
+
 /// What can go wrong between recorded drives and an evaluated model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// There is not enough to learn from.
     #[error(
-        "cannot fit `{model}`: {found} {unit} to learn from, at least {needed} needed; \
+        "cannot fit `{model}`: found {found} of at least {needed} {unit} to learn from; \
          add drives or lower --min-duration and --min-gain"
     )]
     TooFewPhases {
@@ -17,16 +19,18 @@ pub enum Error {
         /// What is counted, in words.
         unit: &'static str,
     },
-    /// Leave-one-trip-out needs at least two trips.
-    #[error("leave-one-trip-out needs at least 2 drives with speed, found {found}; add logs")]
+    /// Too few to hold one out.
+    #[error(
+        "found {found} of at least {needed} drives, files or drivers with speed, of which one is held out at a time; add logs"
+    )]
     TooFewTrips {
         /// How many there are.
         found: usize,
+        /// How many there must be.
+        needed: usize,
     },
-    /// There is too little car following to learn from.
-    #[error(
-        "car following: {found} {unit}, at least {needed} needed; add drives with the gap to the vehicle ahead"
-    )]
+    /// There is too little cruising or car following to learn from.
+    #[error("found {found} of at least {needed} {unit}; add drives")]
     TooFewStretches {
         /// How many there are.
         found: usize,
@@ -110,6 +114,22 @@ pub enum Error {
         /// The one of the others, or of the model.
         expected_s: f64,
     },
+    /// What is wrong with one drive of several.
+    #[error("{log}: {cause}")]
+    InLog {
+        /// Name of the drive, or of the piece of it.
+        log: String,
+        /// What is wrong.
+        cause: Box<Error>,
+    },
+    /// None of the drives has what is asked for.
+    #[error("{task}: {}", listed(.left_out))]
+    NothingUsable {
+        /// What was to be done, in words.
+        task: &'static str,
+        /// Every drive with what it lacks.
+        left_out: Vec<LeftOut>,
+    },
     /// From support vector regression.
     #[error(transparent)]
     Regression(#[from] svr::Error),
@@ -124,7 +144,51 @@ pub enum Error {
     Energy(#[from] ev_energy::Error),
 }
 
+/// A drive that lacks what something needs, while others go on without it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// Name of the drive, or of the piece of it.
+    pub log: String,
+    /// What it lacks.
+    pub reason: String,
+}
+
+impl LeftOut {
+    pub(crate) fn new(log: &str, reason: impl Into<String>) -> Self {
+        Self {
+            log: log.to_owned(),
+            reason: reason.into(),
+        }
+    }
+}
+
+fn listed(left_out: &[LeftOut]) -> String {
+    let lines = left_out
+        .iter()
+        .map(|left_out| format!("\n  {}: {}", left_out.log, left_out.reason));
+    format!("no drive can be used{}", lines.collect::<String>())
+}
+
 impl Error {
+    /// The same with the name of the drive that it is about, where it does not say so yet.
+    pub(crate) fn in_log(self, log: &str) -> Self {
+        let is_named = matches!(
+            self,
+            Self::InLog { .. }
+                | Self::NoLimits { .. }
+                | Self::Steps { .. }
+                | Self::Log(_)
+                | Self::Option { .. }
+        );
+        if is_named {
+            return self;
+        }
+        Self::InLog {
+            log: log.to_owned(),
+            cause: Box::new(self),
+        }
+    }
+
     /// Refuses an option that is not finite or not at least `lowest`.
     pub(crate) fn unless_at_least(
         name: &'static str,

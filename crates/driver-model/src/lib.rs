@@ -96,7 +96,7 @@ pub use energy::{
     EnergyStep, EnergyTotals, Measured, PowerCurve, ResidualBin, Residuals, SlopeEffect,
     SlopeSource, calibrate_vehicle, drive_energy, slope_rad,
 };
-pub use error::Error;
+pub use error::{Error, LeftOut};
 pub use evaluate::{
     BandCoverage, DEFAULT_PRIOR_WEIGHT, EnergyError, EvaluatedPhase, Evaluation, EvaluationData,
     EvaluationSettings, Figures, Fold, LearningPoint, PairedComparison, Summary, TrainingSource,

@@ -5,7 +5,7 @@ use drive_log::DriveLog;
 use serde::Serialize;
 use tseg::{Metrics, Progress};
 
-use crate::{Error, HeuristicRules, Segmented, StatisticalRules};
+use crate::{Error, HeuristicRules, Method, Segmented, Segments, StatisticalRules};
 
 /// Either way to cut a drive into phases.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +41,27 @@ impl Segmenter {
             Self::Heuristic(rules) => rules.segment(log),
             Self::Statistical(rules) => rules.segment_with(log, progress),
         }
+    }
+
+    /// How many samples a drive must have for as many and as long segments as were asked for.
+    #[must_use]
+    pub fn least_samples(&self) -> usize {
+        let Self::Statistical(StatisticalRules {
+            method:
+                Method::Dynamic {
+                    segments,
+                    min_length,
+                },
+            ..
+        }) = self
+        else {
+            return 1;
+        };
+        let segments = match segments {
+            Segments::Exactly(segments) => *segments,
+            Segments::AtMost(_) | Segments::AtKnee => 1,
+        };
+        segments.saturating_mul((*min_length).max(1))
     }
 
     /// Segments a drive for the figures alone, without merging. `None` where the drive is too short for so many segments.

@@ -102,8 +102,9 @@ impl Trip {
             trip.cruise.extend(cruise_stretches(log, &settings.cruise));
             trip.following
                 .extend(following_stretches(log, &settings.following));
-            trip.add_curves(log, settings)?;
-            trip.add_segments(log, settings)?;
+            trip.add_curves(log, settings)
+                .and_then(|()| trip.add_segments(log, settings))
+                .map_err(|error| error.in_log(log.name()))?;
         }
         Ok(trip)
     }

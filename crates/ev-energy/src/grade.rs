@@ -55,17 +55,18 @@ const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 /// five standard deviations off a first fit, are left out of a second one. Where elevations scatter so that the slope would be
 /// off by more than 0.002 (standard deviation), the window is widened, to at most 10 `b`.
 ///
-/// - `distance_m`: distance since the start, within ±10⁹ m, never decreasing.
+/// - `distance_m`: place along the road, distance from the start, within ±10⁹ m. It decreases where the car goes back, over the
+///   same road.
 /// - `elevation_m`: elevation at the same samples. Values that are not finite or beyond ±10⁵ m
 ///   count as missing and are bridged by straight lines over distance.
 /// - `bandwidth_m`: `b`, 1 to 10⁵ m; [`DEFAULT_SLOPE_BANDWIDTH_M`] unless there is a reason.
 ///
 /// Returns one slope per sample. Where the elevation covers no distance the slope is 0. The time is
-/// linear in the number of samples.
+/// linear in the number of samples of a car that does not go back.
 ///
 /// # Errors
 /// [`Error::Length`], [`Error::Argument`] for the bandwidth, [`Error::Sample`] for a distance that
-/// is out of range or smaller than its predecessor.
+/// is out of range.
 pub fn slope_from_elevation(
     distance_m: &[f64],
     elevation_m: &[f64],
@@ -78,11 +79,12 @@ pub fn slope_from_elevation(
     let valid: Vec<(f64, f64)> = recorded
         .filter(|(_, elevation_m)| elevation_m.abs() <= ELEVATION_LIMIT_M)
         .collect();
-    let points = without_outliers(unstepped(&valid), bandwidth_m);
+    let points = without_outliers(along_road(unstepped(&valid)), bandwidth_m);
     let bandwidth_m = widened_m(&points, bandwidth_m);
+    let places = Places::of(distance_m);
     let profile = Profile::new(points.into_iter());
-    let gradients = profile.gradients(distance_m, bandwidth_m);
-    Ok(gradients.map(f64::atan).collect())
+    let gradients = profile.gradients(&places.sorted_m, bandwidth_m);
+    Ok(places.in_order_of_time(gradients.map(f64::atan)))
 }
 
 /// Slope angle in rad, positive uphill, from an accelerometer along the car, and elevation.
@@ -99,7 +101,7 @@ pub fn slope_from_elevation(
 /// with the gradients of [`slope_from_elevation`]. Without elevation the road is level over 30 `b`.
 ///
 /// - `step_s`: time between two samples, over 0.
-/// - `speed_mps`: speed, finite.
+/// - `speed_mps`: speed, finite; below 0 the car goes back over the same road.
 /// - `accelerometer_mps2`: as many values; missing ones count as no slope.
 /// - `elevation_m`: as many values; missing ones are bridged.
 /// - `bandwidth_m`: `b`, 1 to 10⁵ m; [`DEFAULT_SLOPE_BANDWIDTH_M`] unless there is a reason.
@@ -135,16 +137,16 @@ pub fn slope_from_accelerometer(
         (distance_m, recorded_m - felt_m)
     });
     let rest = rest.filter(|(_, elevation)| elevation.abs() <= ELEVATION_LIMIT_M);
-    let short = Profile::new(felt.iter().copied());
-    let long = Profile::new(rest);
-    Ok(short
-        .gradients(&distance_m, bandwidth_m)
-        .zip(long.gradients(&distance_m, trend_m))
-        .map(|(short, long)| (short + long).atan())
-        .collect())
+    let long = Profile::new(along_road(rest.collect()).into_iter());
+    let short = Profile::new(along_road(felt).into_iter());
+    let places = Places::of(&distance_m);
+    let short = short.gradients(&places.sorted_m, bandwidth_m);
+    let long = long.gradients(&places.sorted_m, trend_m);
+    let slopes = short.zip(long).map(|(short, long)| (short + long).atan());
+    Ok(places.in_order_of_time(slopes))
 }
 
-/// Distance and the elevation that an accelerometer felt on it, per sample, m.
+/// Place along the road and the elevation that an accelerometer felt there, per sample, m.
 fn felt_elevation(step_s: f64, speed_mps: &[f64], accelerometer_mps2: &[f64]) -> Vec<(f64, f64)> {
     let mut felt = Vec::with_capacity(speed_mps.len());
     felt.extend(speed_mps.first().map(|_| (0.0, 0.0)));
@@ -160,7 +162,7 @@ fn felt_elevation(step_s: f64, speed_mps: &[f64], accelerometer_mps2: &[f64]) ->
         } else {
             0.0
         };
-        distance_m += travelled_m.abs();
+        distance_m += travelled_m;
         felt.push((distance_m, elevation_m));
     }
     felt
@@ -190,20 +192,48 @@ fn check_bandwidth(bandwidth_m: f64) -> Result<(), Error> {
 }
 
 fn check_distance(distance_m: &[f64]) -> Result<(), Error> {
-    let mut min = -DISTANCE_LIMIT_M;
-    for (index, &value) in distance_m.iter().enumerate() {
-        if !(min..=DISTANCE_LIMIT_M).contains(&value) {
-            return Err(Error::Sample {
-                channel: "distance_m",
-                index,
-                value,
-                min,
-                max: DISTANCE_LIMIT_M,
-            });
-        }
-        min = value;
+    let allowed = -DISTANCE_LIMIT_M..=DISTANCE_LIMIT_M;
+    match distance_m.iter().position(|value| !allowed.contains(value)) {
+        None => Ok(()),
+        Some(index) => Err(Error::Sample {
+            channel: "distance_m",
+            index,
+            value: distance_m[index],
+            min: -DISTANCE_LIMIT_M,
+            max: DISTANCE_LIMIT_M,
+        }),
     }
-    Ok(())
+}
+
+/// Points in the order of the road: those of a car that went back come where they were.
+fn along_road(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
+/// Where the samples were, in the order of the road.
+struct Places {
+    sorted_m: Vec<f64>,
+    /// The sample that is at each place.
+    sample: Vec<usize>,
+}
+
+impl Places {
+    fn of(distance_m: &[f64]) -> Self {
+        let mut sample: Vec<usize> = (0..distance_m.len()).collect();
+        sample.sort_by(|&a, &b| distance_m[a].total_cmp(&distance_m[b]));
+        let sorted_m = sample.iter().map(|&k| distance_m[k]).collect();
+        Self { sorted_m, sample }
+    }
+
+    /// Values of the places, one per sample.
+    fn in_order_of_time(&self, of_places: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut values = vec![0.0; self.sample.len()];
+        for (&k, value) in self.sample.iter().zip(of_places) {
+            values[k] = value;
+        }
+        values
+    }
 }
 
 /// The points that say where the road is, see [`slope_from_elevation`].

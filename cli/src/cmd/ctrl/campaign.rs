@@ -10,6 +10,7 @@ use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
 use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
@@ -275,10 +276,10 @@ fn text(report: &CampaignReport, violations: &[Listed]) -> String {
         format!("Unsafe runs, at most twenty of each kind:\n{listed}")
     };
     format!(
-        "{}\n{}\n{listed}\n{} runs, {:.0} s simulated in {:.1} s: {:.0} s per s\n",
+        "{}\n{}\n{listed}\n{}, {:.0} s simulated in {:.1} s: {:.0} s per s\n",
         table(&["preset", "disturbance"], totals),
         table(&["preset", "disturbance", "testbed", "scenario"], rows),
-        report.runs,
+        plural(report.runs, "run"),
         report.simulated_s,
         report.seconds,
         report.simulated_s_per_s

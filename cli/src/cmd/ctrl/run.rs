@@ -19,6 +19,7 @@ use crate::output;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// Run a scenario on simulated robots, or with --live on real ones
 ///
@@ -390,11 +391,11 @@ fn text(named: &Named, ended: &Ended) -> String {
         None => format!("seed {}", named.spec.seed),
     };
     format!(
-        "{} on {}, {} robots, {} steps at {} Hz, {how}\n\n{}\n{verdict}\n",
+        "{} on {}, {}, {} at {} Hz, {how}\n\n{}\n{verdict}\n",
         scenario.name,
         scenario.testbed,
-        scenario.robots.len(),
-        summary.steps,
+        plural(scenario.robots.len(), "robot"),
+        plural(summary.steps, "step"),
         scenario.rate_hz,
         table.render()
     )

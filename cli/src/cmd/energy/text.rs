@@ -5,6 +5,7 @@ use ev_energy::{JOULES_PER_KWH, TripEnergy};
 
 use super::{Body, Entry, Totals};
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 /// Tables of the logs, of their budgets and of the totals.
 pub(super) fn text(body: &Body) -> String {
@@ -42,8 +43,9 @@ pub(super) fn text(body: &Body) -> String {
         if let Some(record) = calibration {
             let _ = writeln!(
                 text,
-                "\n{vehicle}: calibrated with {} trips; a trip that it has not seen is off by {:.1} % on average.",
-                record.trips, record.held_out_mean_abs_error_pct
+                "\n{vehicle}: calibrated with {}; a trip that it has not seen is off by {:.1} % on average.",
+                plural(record.trips, "trip"),
+                record.held_out_mean_abs_error_pct
             );
         }
     }

@@ -7,13 +7,15 @@ use driver_model::{
     AccelDensity, BandCoverage, CruiseEvaluation, CruiseFold, CruiseModel, CruiseSummary,
     DriverModel, EvaluatedPhase, Evaluation, Fold, FollowingEvaluation, FollowingFold,
     FollowingGroup, FollowingKind, FollowingModel, FollowingSummary, FunctionFit, LearningPoint,
-    PairedComparison, PairedDifference, PerFollowingModel, PhaseKind, PhasePrediction,
+    LeftOut, PairedComparison, PairedDifference, PerFollowingModel, PhaseKind, PhasePrediction,
     ScoredStretch, Summary, Trip,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::missing::Missing;
 use super::{EvaluateArgs, Findings, HoldOut};
+use crate::words::plural;
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
@@ -27,6 +29,12 @@ pub(super) struct Body<'a> {
     cruise: Option<Cruise<'a>>,
     following: Option<Following<'a>>,
     system_identification: Option<SystemIdentification<'a>>,
+    /// Parts without figures, with the reason.
+    not_evaluated: &'a Missing,
+    /// Drives that have nothing to evaluate.
+    left_out_drives: &'a [LeftOut],
+    /// The vehicle, where none was named.
+    default_vehicle: Option<&'static str>,
 }
 
 /// Functions of speed fitted to everything.
@@ -71,7 +79,7 @@ struct Following<'a> {
 }
 
 /// One kind of phase.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Kind<'a> {
     models: BTreeMap<&'static str, &'a Summary>,
     folds: Vec<FoldEntry<'a>>,
@@ -98,7 +106,11 @@ impl<'a> Body<'a> {
         let fits = findings.fits.iter().filter(|(_, fits)| !fits.is_empty());
         Self {
             hold_out: args.hold_out,
-            acceleration: Kind::new(&findings.acceleration),
+            default_vehicle: args.vehicle.by_default(),
+            acceleration: findings
+                .acceleration
+                .as_ref()
+                .map_or_else(Kind::default, Kind::new),
             braking: findings.braking.as_ref().map(Kind::new),
             function_fits: fits
                 .map(|(kind, fits)| (kind.name(), FunctionFits { fits }))
@@ -110,6 +122,8 @@ impl<'a> Body<'a> {
                 thrown_away: model.thrown_away(),
                 groups: model.groups.iter().map(GroupEntry::new).collect(),
             }),
+            not_evaluated: &findings.missing,
+            left_out_drives: &findings.left_out,
         }
     }
 }
@@ -193,7 +207,8 @@ impl<'a> FoldEntry<'a> {
         let notes = match fold.fallbacks {
             0 => Vec::new(),
             n => vec![format!(
-                "{n} phases in speed groups without training phases: nearest group used"
+                "{} in speed groups without training phases: nearest group used",
+                plural(n, "phase")
             )],
         };
         let is_long = matches!(
@@ -214,7 +229,7 @@ impl<'a> FoldEntry<'a> {
 
 /// The document with every curve, for the report.
 pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Trip]) -> Value {
-    document["phases"] = phases(&findings.acceleration);
+    document["phases"] = findings.acceleration.as_ref().map_or(json!([]), phases);
     if let Some(braking) = &findings.braking {
         document["braking"]["phases"] = phases(braking);
     }
@@ -225,8 +240,8 @@ pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Tri
             entry["density"] = json!(AccelDensity::of(*kind, trips));
         }
     }
-    if findings.systems.is_some() {
-        document["system_identification"]["phases"] = systems(&findings.acceleration);
+    if let (Some(_), Some(acceleration)) = (&findings.systems, &findings.acceleration) {
+        document["system_identification"]["phases"] = systems(acceleration);
     }
     if let Some((evaluation, groups)) = &findings.following {
         document["following"]["stretches"] = stretches(evaluation, groups);

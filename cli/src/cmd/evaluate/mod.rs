@@ -1,6 +1,7 @@
 //! The main job: how well models predict drives that they have not seen.
 
 mod document;
+mod missing;
 mod text;
 mod trajectory;
 
@@ -12,13 +13,15 @@ use driver_model::phase_model::TransitionPoint;
 use driver_model::trajectory::DirectKind;
 use driver_model::{
     CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings, FollowingEvaluation,
-    FollowingGroup, FunctionFit, LearningPoint, ModelKind, PhaseKind, TrainingSet, Trip,
+    FollowingGroup, FunctionFit, LearningPoint, LeftOut, ModelKind, PhaseKind, TrainingSet, Trip,
     evaluate_cruise, evaluate_following, function_fits, learning_curve, leave_one_out,
 };
 use serde::Serialize;
 
-use super::phases::{PhaseArgs, vehicle, width_kmh};
+use super::left_out;
+use super::phases::{PhaseArgs, width_kmh};
 use super::prior::PriorArgs;
+use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
@@ -27,6 +30,7 @@ use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::require::Requirement;
+use missing::Missing;
 use trajectory::TrajectoryArgs;
 
 /// Leave-one-out over models and baselines: the main job
@@ -73,9 +77,9 @@ pub(crate) struct EvaluateArgs {
     /// Full width of the band around the measured speed, in km/h [default: 3 for phases, 5 for trips]
     #[arg(long, value_parser = width_kmh, value_name = "KM/H")]
     band: Option<f64>,
-    /// Vehicle for the energy of curves: a built-in name or a TOML file
-    #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]
-    vehicle: String,
+    #[command(flatten)]
+    #[serde(flatten)]
+    vehicle: VehicleArg,
     /// Write one self-contained page with tables and pictures
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
@@ -143,7 +147,8 @@ impl HoldOut {
 
 /// Everything that was found out.
 struct Findings {
-    acceleration: Evaluation,
+    /// `None` where no drive has an acceleration phase that counts.
+    acceleration: Option<Evaluation>,
     /// `None` where no drive has a braking phase that counts.
     braking: Option<Evaluation>,
     fits: [(PhaseKind, Vec<FunctionFit>); 2],
@@ -154,16 +159,21 @@ struct Findings {
     systems: Option<TransitionPoint>,
     /// With the stretches; `None` where less than two units follow a vehicle.
     following: Option<(FollowingEvaluation, Vec<FollowingGroup>)>,
+    /// What of it there is too little for.
+    missing: Missing,
+    /// Drives that have nothing to evaluate.
+    left_out: Vec<LeftOut>,
 }
 
 pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let vehicle = vehicle(&args.vehicle)?;
+    let vehicle = args.vehicle.read()?;
     if let Some(path) = &args.report {
         output::check_file_place(path)?;
     }
     let inputs = if args.logs.logs.is_empty() {
         inputs::load_embedded(&args.logs.reading, context)?
     } else {
+        args.vehicle.mention(context);
         inputs::load(&args.logs, context)?
     };
     let figures = match args.task {
@@ -194,7 +204,9 @@ impl EvaluateArgs {
             .prior
             .trips(&args.logs.reading, &args.phases, context)?;
         let findings = args.evaluate(inputs, &trips, &prior, vehicle, context)?;
-        for evaluation in [Some(&findings.acceleration), findings.braking.as_ref()]
+        findings.missing.mention(context);
+        left_out::mention(&findings.left_out, context);
+        for evaluation in [&findings.acceleration, &findings.braking]
             .into_iter()
             .flatten()
         {
@@ -271,57 +283,40 @@ impl EvaluateArgs {
         .with_prior(prior);
         let progress = Progress::new(context, "evaluating", 2 * trips.len());
         let evaluate = |kind| leave_one_out(kind, &data, vehicle, &settings, &|| progress.step());
-        let acceleration = evaluate(PhaseKind::Acceleration)?;
-        let brakes = trips
-            .iter()
-            .any(|t| t.phases_of(PhaseKind::Braking).next().is_some());
-        let braking = brakes.then(|| evaluate(PhaseKind::Braking)).transpose()?;
+        let mut missing = Missing::default();
+        let acceleration =
+            missing.unless_enough("acceleration", || evaluate(PhaseKind::Acceleration))?;
+        let braking = missing.unless_enough("braking", || evaluate(PhaseKind::Braking))?;
         drop(progress);
-        let following = following(&data, context)?;
+        let cruise = missing.unless_enough("cruise", || evaluate_cruise(&data.cruise_groups()))?;
+        let groups = data.following_groups();
+        let following = missing.unless_enough("following", || evaluate_following(&groups))?;
+        if missing.is_everything() {
+            return Err(missing.into_error(trips));
+        }
         Ok(Findings {
-            acceleration,
-            braking,
-            following,
-            cruise: cruise(&data)?,
-            systems: systems(trips)?,
-            fits: [PhaseKind::Acceleration, PhaseKind::Braking]
-                .map(|kind| (kind, function_fits(kind, trips))),
-            learning: if self.learning_curve {
+            learning: if self.learning_curve && acceleration.is_some() {
                 learning_curve(PhaseKind::Acceleration, &data, &settings)?
             } else {
                 Vec::new()
             },
+            acceleration,
+            braking,
+            following: following.map(|evaluation| (evaluation, groups)),
+            cruise,
+            systems: systems(trips)?,
+            fits: [PhaseKind::Acceleration, PhaseKind::Braking]
+                .map(|kind| (kind, function_fits(kind, trips))),
+            missing,
+            left_out: missing::without_anything(trips),
         })
-    }
-}
-
-fn cruise(data: &EvaluationData<'_>) -> anyhow::Result<Option<CruiseEvaluation>> {
-    match evaluate_cruise(&data.cruise_groups()) {
-        Err(Error::TooFewStretches { .. }) => Ok(None),
-        evaluation => Ok(Some(evaluation?)),
     }
 }
 
 fn systems(trips: &[Trip]) -> anyhow::Result<Option<TransitionPoint>> {
     let training = TrainingSet::from_trips(PhaseKind::Acceleration, trips);
     match TransitionPoint::fit(&training) {
-        Err(Error::TooFewPhases { .. }) => Ok(None),
+        Err(Error::TooFewPhases { .. } | Error::Fit { .. }) => Ok(None),
         model => Ok(Some(model?)),
-    }
-}
-
-fn following(
-    data: &EvaluationData<'_>,
-    context: &Context,
-) -> anyhow::Result<Option<(FollowingEvaluation, Vec<FollowingGroup>)>> {
-    let groups = data.following_groups();
-    match evaluate_following(&groups) {
-        Ok(evaluation) => Ok(Some((evaluation, groups))),
-        Err(Error::TooFewStretches { .. }) => Ok(None),
-        Err(error @ Error::Fit { .. }) => {
-            output::note(context, &format!("no models of following: {error}"));
-            Ok(None)
-        }
-        Err(error) => Err(error.into()),
     }
 }

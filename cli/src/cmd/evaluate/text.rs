@@ -9,17 +9,18 @@ use driver_model::{
 
 use super::{EvaluateArgs, Findings, HoldOut};
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 pub(super) fn render(args: &EvaluateArgs, trips: &[Trip], findings: &Findings) -> String {
     let mut text = String::new();
-    text.push_str(&models(args, trips, &findings.acceleration));
-    text.push_str(&paired(&findings.acceleration));
-    text.push_str(&bands(&findings.acceleration));
-    if let Some(braking) = &findings.braking {
-        text.push('\n');
-        text.push_str(&models(args, trips, braking));
-        text.push_str(&paired(braking));
-        text.push_str(&bands(braking));
+    let kinds = [&findings.acceleration, &findings.braking];
+    for evaluation in kinds.into_iter().flatten() {
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        text.push_str(&models(args, trips, evaluation));
+        text.push_str(&paired(evaluation));
+        text.push_str(&bands(evaluation));
     }
     if let Some(evaluation) = &findings.cruise {
         text.push_str(&cruise(evaluation));
@@ -47,17 +48,19 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
         HoldOut::Driver => "driver",
     };
     let mut text = format!(
-        "{} drives, {} {} phases of at least {} s and {} km/h, leave one {held_out} out",
-        trips.len(),
-        evaluation.phases.len(),
-        evaluation.kind.name(),
+        "{}, {} of at least {} s and {} km/h, leave one {held_out} out",
+        plural(trips.len(), "drive"),
+        plural(
+            evaluation.phases.len(),
+            &format!("{} phase", evaluation.kind.name())
+        ),
         args.phases.min_duration,
         args.phases.min_gain,
     );
     if influenced > 0 {
         let _ = write!(
             text,
-            " ({influenced} more under a leader's influence are left out)"
+            " (left out under a leader's influence: {influenced} more)"
         );
     }
     text.push_str("\n\n");
@@ -65,14 +68,14 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
     let _ = writeln!(
         text,
         "\nΔE: measured minus predicted battery energy per phase ({}); end: predicted minus measured final speed.",
-        args.vehicle
+        args.vehicle.words()
     );
     for (kind, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
         if summary.fallback_phases > 0 {
             let _ = writeln!(
                 text,
-                "{kind}: {} phases lie in speed groups without training phases; the nearest group's parameter was used.",
-                summary.fallback_phases
+                "{kind}: {} in speed groups without training phases; the nearest group's parameter was used.",
+                plural(summary.fallback_phases, "phase")
             );
         }
     }
@@ -248,8 +251,8 @@ fn cruise(evaluation: &CruiseEvaluation) -> String {
         ),
     };
     format!(
-        "\ncruising, {} units, each held out\n\n{}\n{bias}; {variation}\n",
-        evaluation.folds.len(),
+        "\ncruising, {}, each held out\n\n{}\n{bias}; {variation}\n",
+        plural(evaluation.folds.len(), "unit"),
         table.render(),
     )
 }
@@ -291,10 +294,10 @@ fn following(evaluation: &FollowingEvaluation) -> String {
     let paired = &evaluation.held_out_difference;
     let error = paired.gap_rmse_std_error_m;
     format!(
-        "\n{} stretches behind a vehicle in {} units, each unit held out\n\n{}\n\
+        "\n{} behind a vehicle in {}, each unit held out\n\n{}\n\
          {idm} less {law}: gap RMSE {} ± {} m (standard error over stretches), better in {} of {}\n",
-        evaluation.stretches.len(),
-        evaluation.folds.len(),
+        plural(evaluation.stretches.len(), "stretch"),
+        plural(evaluation.folds.len(), "unit"),
         table.render(),
         number(paired.gap_rmse_m, 2),
         number(error, 2),

@@ -8,7 +8,8 @@ use clap::Args;
 use driver_model::portrait::Portrait;
 use serde::Serialize;
 
-use super::phases::{PhaseArgs, vehicle};
+use super::phases::PhaseArgs;
+use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
@@ -38,9 +39,9 @@ pub(crate) struct PortraitArgs {
     #[arg(long, value_name = "LOG")]
     #[serde(skip)]
     fleet: Vec<PathBuf>,
-    /// Vehicle for the energy: a built-in name or a TOML file
-    #[arg(long, default_value = "b250e", value_name = "NAME|FILE")]
-    vehicle: String,
+    #[command(flatten)]
+    #[serde(flatten)]
+    vehicle: VehicleArg,
     /// Write one self-contained page with pictures
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
@@ -48,7 +49,8 @@ pub(crate) struct PortraitArgs {
 }
 
 pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let vehicle = vehicle(&args.vehicle)?;
+    let vehicle = args.vehicle.read()?;
+    args.vehicle.mention(context);
     if let Some(path) = &args.report {
         output::check_file_place(path)?;
     }
@@ -70,7 +72,8 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         }
     };
     let body = Body {
-        sentences: words::sentences(&portrait, fleet.as_ref()),
+        default_vehicle: args.vehicle.by_default(),
+        sentences: words::sentences(&portrait, fleet.as_ref(), &args.vehicle.words()),
         driver: portrait,
         fleet,
     };
@@ -93,6 +96,8 @@ struct Body {
     /// Other drivers, all together.
     fleet: Option<Portrait>,
     sentences: Vec<String>,
+    /// The vehicle, where none was named.
+    default_vehicle: Option<&'static str>,
 }
 
 fn text(body: &Body) -> String {

@@ -2,18 +2,16 @@
 
 use driver_model::portrait::{AccelOverSpeed, LimitKeeping, Portrait, SMOOTH_WINDOW_S};
 
+use crate::words::plural;
+
 /// Differences below this share are none.
 const ALIKE: f64 = 0.05;
 
-pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<String> {
+/// `vehicle` is the one that energies are of, in words.
+pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>, vehicle: &str) -> Vec<String> {
     let mut sentences = vec![format!(
-        "{} {}, {:.0} km in {:.1} h.",
-        driver.drives,
-        if driver.drives == 1 {
-            "drive"
-        } else {
-            "drives"
-        },
+        "{}, {:.0} km in {:.1} h.",
+        plural(driver.drives, "drive"),
         driver.distance_m / 1e3,
         driver.duration_s / 3600.0
     )];
@@ -27,7 +25,7 @@ pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>) -> Vec<Stri
     sentences.extend(limits(&driver.limits));
     sentences.extend(headway(driver, fleet));
     sentences.extend(smoothness(driver, fleet));
-    sentences.extend(economy(driver, fleet));
+    sentences.extend(economy(driver, fleet, vehicle));
     sentences
 }
 
@@ -118,12 +116,12 @@ fn smoothness(driver: &Portrait, fleet: Option<&Portrait>) -> Option<String> {
     ))
 }
 
-fn economy(driver: &Portrait, fleet: Option<&Portrait>) -> Option<String> {
+fn economy(driver: &Portrait, fleet: Option<&Portrait>, vehicle: &str) -> Option<String> {
     let own = driver.economy.consumption_kwh_per_100km?;
     let smooth = driver.economy.smooth_consumption_kwh_per_100km?;
     let other = fleet.and_then(|f| f.economy.consumption_kwh_per_100km);
     Some(format!(
-        "Uses {own:.1} kWh per 100 km by the vehicle model{}; the same drives with speed averaged over {SMOOTH_WINDOW_S:.0} s, never \
+        "Uses {own:.1} kWh per 100 km by the vehicle model ({vehicle}){}; the same drives with speed averaged over {SMOOTH_WINDOW_S:.0} s, never \
          more than {:.0} m from the recorded place, would use {smooth:.1}: restlessness costs {:.0} %.",
         other.map_or_else(String::new, |f| beside(own, f, "more", "less")),
         driver.economy.largest_deviation_m,

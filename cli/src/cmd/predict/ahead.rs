@@ -2,6 +2,7 @@
 
 use anyhow::bail;
 use driver_model::trajectory::{Course, DirectModel, HorizonScore};
+use driver_model::{Error, LeftOut};
 use serde::Serialize;
 
 use crate::render::table::{Table, number};
@@ -18,11 +19,13 @@ pub(super) struct Entry<'a> {
 }
 
 /// `horizons_s` picks some of the model's; empty is all.
+///
+/// Drives that the model cannot predict are left out, as long as there are others.
 pub(super) fn predict<'a>(
     courses: &'a [Course],
     model: &DirectModel,
     horizons_s: &[f64],
-) -> anyhow::Result<Vec<Entry<'a>>> {
+) -> anyhow::Result<(Vec<Entry<'a>>, Vec<LeftOut>)> {
     let known: Vec<f64> = model.horizons_s().collect();
     if let Some(missing) = horizons_s
         .iter()
@@ -37,22 +40,43 @@ pub(super) fn predict<'a>(
     let wanted = |horizon_s: f64| {
         horizons_s.is_empty() || horizons_s.iter().any(|h| (h - horizon_s).abs() < 1e-9)
     };
-    courses
-        .iter()
-        .map(|course| {
-            let origins = model.moments(course, STEP_S);
-            let scored = model.score(course, &origins)?;
-            let horizons = scored.into_iter().filter(|score| wanted(score.horizon_s));
-            Ok(Entry {
-                name: &course.name,
-                moments_s: origins
-                    .iter()
-                    .map(|&origin| origin as f64 * course.step_s)
-                    .collect(),
-                horizons: horizons.collect(),
-            })
-        })
-        .collect()
+    let (mut entries, mut left_out) = (Vec::new(), Vec::new());
+    for course in courses {
+        match entry(course, model, &wanted) {
+            Ok(entry) => entries.push(entry),
+            Err(reason) => left_out.push(LeftOut {
+                log: course.name.clone(),
+                reason,
+            }),
+        }
+    }
+    if entries.is_empty() {
+        let task = "the speed ahead";
+        return Err(Error::NothingUsable { task, left_out }.into());
+    }
+    Ok((entries, left_out))
+}
+
+/// The reason where the model cannot predict a drive.
+fn entry<'a>(
+    course: &'a Course,
+    model: &DirectModel,
+    wanted: &dyn Fn(f64) -> bool,
+) -> Result<Entry<'a>, String> {
+    let origins = model.moments(course, STEP_S);
+    if origins.is_empty() {
+        return Err("too short for the past that a prediction needs".to_owned());
+    }
+    let scored = model
+        .score(course, &origins)
+        .map_err(|error| error.to_string())?;
+    let horizons = scored.into_iter().filter(|score| wanted(score.horizon_s));
+    let moments_s = origins.iter().map(|&origin| origin as f64 * course.step_s);
+    Ok(Entry {
+        name: &course.name,
+        moments_s: moments_s.collect(),
+        horizons: horizons.collect(),
+    })
 }
 
 pub(super) fn table(entries: &[Entry<'_>]) -> String {

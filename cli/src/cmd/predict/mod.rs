@@ -7,17 +7,18 @@ use anyhow::bail;
 use clap::Args;
 use driver_model::{
     CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors, FollowingModel,
-    FollowingStretch, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
+    FollowingStretch, LeftOut, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
 };
 use serde::Serialize;
 
 use super::courses::courses;
+use super::left_out;
 use super::phases::{PhaseArgs, width_kmh};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs;
 use crate::output;
-use crate::render::json::{Document, Logs};
+use crate::render::json::Document;
 use crate::render::table::{Table, number};
 
 /// Predict the phases, the speed ahead or whole trips of logs with a fitted model
@@ -65,17 +66,22 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => Vec::new(),
         _ => args.phases.trips(&inputs, context)?,
     };
+    let left_out: Vec<LeftOut>;
     let (document, text) = match &file.model {
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
             let kind = match file.model {
                 FittedModel::Braking(_) => PhaseKind::Braking,
                 _ => PhaseKind::Acceleration,
             };
+            let has_some = |trip: &Trip| trip.phases_of(kind).next().is_some();
+            left_out = left_out::without(&trips, has_some, "no phase that counts");
             let entry = |trip| Entry::of_phases(trip, kind, model, args.band / 3.6);
             let logs: Vec<_> = trips.iter().map(entry).collect();
             (serde_json::to_value(&logs)?, phase_table(&logs))
         }
         FittedModel::Cruise(model) => {
+            let has_some = |trip: &Trip| !trip.cruise.is_empty();
+            left_out = left_out::without(&trips, has_some, "no stretch of cruising that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_cruise(trip, model))
@@ -83,6 +89,9 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
             (serde_json::to_value(&logs)?, cruise_table(&logs))
         }
         FittedModel::Following(model) => {
+            let has_some = |trip: &Trip| !trip.following.is_empty();
+            left_out =
+                left_out::without(&trips, has_some, "no stretch behind a vehicle that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_following(trip, model))
@@ -94,22 +103,35 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
                 .into_iter()
                 .flatten()
                 .collect();
-            let logs = ahead::predict(&courses, model, &args.horizon)?;
+            let (logs, without) = ahead::predict(&courses, model, &args.horizon)?;
+            left_out = without;
             (serde_json::to_value(&logs)?, ahead::table(&logs))
         }
         FittedModel::Trip(driver) => {
-            let logs = trip::predict(&inputs, driver, bandwidth_m)?;
+            let (logs, without) = trip::predict(&inputs, driver, bandwidth_m)?;
+            left_out = without;
             (serde_json::to_value(&logs)?, trip::table(&logs))
         }
     };
+    left_out::mention(&left_out, context);
     match context.format {
         Format::Json => {
-            let logs = document.as_array().cloned().unwrap_or_default();
-            output::print_json(&Document::new("predict", args, &inputs, Logs { logs }))?;
+            let body = Body {
+                logs: document,
+                left_out_drives: left_out,
+            };
+            output::print_json(&Document::new("predict", args, &inputs, body))?;
         }
         Format::Text => output::print_text(&text)?,
     }
     Ok(Outcome::Done)
+}
+
+#[derive(Serialize)]
+struct Body {
+    logs: serde_json::Value,
+    /// Drives that the model cannot predict, with the reason.
+    left_out_drives: Vec<LeftOut>,
 }
 
 /// A log with what is predicted in it: phases, or stretches.

@@ -1,6 +1,7 @@
 //! Whole drives from road and driver alone.
 
-use driver_model::{FreeRun, Road, RoadKnowledge, TripDriver, slope_rad};
+use drive_log::DriveLog;
+use driver_model::{Error, FreeRun, LeftOut, Road, RoadKnowledge, TripDriver, slope_rad};
 use serde::Serialize;
 
 use crate::inputs::Input;
@@ -16,31 +17,50 @@ pub(super) struct Entry<'a> {
     speed_mps: Vec<f64>,
 }
 
+/// Drives whose road is not known are left out, as long as there are others.
 pub(super) fn predict<'a>(
     inputs: &'a [Input],
     driver: &TripDriver,
     slope_bandwidth_m: f64,
-) -> anyhow::Result<Vec<Entry<'a>>> {
-    let logs = inputs.iter().flat_map(|input| &input.drive.pieces);
-    logs.map(|log| {
-        let slope = slope_rad(log, slope_bandwidth_m)?;
-        let road = Road::of_log(log, slope.as_deref(), RoadKnowledge::Stops)?;
-        let FreeRun {
-            step_s,
-            speed_mps,
-            end_s,
-            ..
-        } = driver.drive(&road, log.step_s(), None)?;
-        Ok(Entry {
-            name: log.name(),
-            step_s,
-            duration_s: end_s,
-            measured_duration_s: (log.len() - 1) as f64 * log.step_s(),
-            distance_m: road.length_m(),
-            speed_mps,
-        })
+) -> Result<(Vec<Entry<'a>>, Vec<LeftOut>), Error> {
+    let (mut entries, mut left_out) = (Vec::new(), Vec::new());
+    for log in inputs.iter().flat_map(|input| &input.drive.pieces) {
+        match entry(log, driver, slope_bandwidth_m) {
+            Ok(entry) => entries.push(entry),
+            Err(reason) => left_out.push(LeftOut {
+                log: log.name().to_owned(),
+                reason: reason.to_string(),
+            }),
+        }
+    }
+    if entries.is_empty() {
+        let task = "whole trips from the road";
+        return Err(Error::NothingUsable { task, left_out });
+    }
+    Ok((entries, left_out))
+}
+
+fn entry<'a>(
+    log: &'a DriveLog,
+    driver: &TripDriver,
+    slope_bandwidth_m: f64,
+) -> Result<Entry<'a>, Error> {
+    let slope = slope_rad(log, slope_bandwidth_m)?;
+    let road = Road::of_log(log, slope.as_deref(), RoadKnowledge::Stops)?;
+    let FreeRun {
+        step_s,
+        speed_mps,
+        end_s,
+        ..
+    } = driver.drive(&road, log.step_s(), None)?;
+    Ok(Entry {
+        name: log.name(),
+        step_s,
+        duration_s: end_s,
+        measured_duration_s: (log.len() - 1) as f64 * log.step_s(),
+        distance_m: road.length_m(),
+        speed_mps,
     })
-    .collect()
 }
 
 pub(super) fn table(entries: &[Entry<'_>]) -> String {

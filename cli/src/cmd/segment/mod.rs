@@ -14,16 +14,17 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use drive_log::DriveLog;
-use driver_model::{Segmented, StatisticalRules};
+use driver_model::{Error, LeftOut, Segmented, Segmenter, StatisticalRules};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::cmd::left_out;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
 use crate::output::{check_file_place, note, print_json, print_text, write_file};
 use crate::progress::Progress;
-use crate::render::json::{Document, Logs};
+use crate::render::json::Document;
 use flags::MethodArgs;
 
 pub(crate) use flags::refuse_idle;
@@ -99,7 +100,8 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         check_file_place(path)?;
     }
     let inputs = inputs::load(&args.logs, context)?;
-    let logs = args.pieces(&inputs);
+    let (logs, left_out) = long_enough(args.pieces(&inputs), &segmenter)?;
+    left_out::mention(&left_out, context);
     let progress = Progress::new(context, "segmenting", logs.len());
     let segmented = logs
         .par_iter()
@@ -124,17 +126,42 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     match context.format {
         Format::Json => {
             let entries = logs.iter().zip(&segmented);
-            let logs = entries.map(|(log, s)| output::Entry::new(log, s)).collect();
-            print_json(&Document::new("segment", args, &inputs, Logs { logs }))?;
+            let body = output::Body {
+                logs: entries.map(|(log, s)| output::Entry::new(log, s)).collect(),
+                left_out_drives: &left_out,
+            };
+            print_json(&Document::new("segment", args, &inputs, body))?;
         }
         Format::Text => print_text(&output::text(&inputs, &logs, &segmented))?,
     }
     Ok(Outcome::Done)
 }
 
+/// Pieces of drives, as a segmentation sees them.
+type Pieces<'a> = Vec<Cow<'a, DriveLog>>;
+
+/// The pieces that have room for what was asked, and the others with the reason.
+fn long_enough<'a>(
+    pieces: Pieces<'a>,
+    segmenter: &Segmenter,
+) -> anyhow::Result<(Pieces<'a>, Vec<LeftOut>)> {
+    let least = segmenter.least_samples();
+    let (logs, short): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|log| log.len() >= least);
+    let left_out = |log: &Cow<'_, DriveLog>| LeftOut {
+        log: log.name().to_owned(),
+        reason: format!("less than {least} samples; ask for fewer or shorter segments"),
+    };
+    let left_out: Vec<LeftOut> = short.iter().map(left_out).collect();
+    if logs.is_empty() {
+        let task = "so many segments of this length";
+        return Err(Error::NothingUsable { task, left_out }.into());
+    }
+    Ok((logs, left_out))
+}
+
 impl SegmentArgs {
     /// The pieces of all drives, each cut after `--first` samples.
-    fn pieces<'a>(&self, inputs: &'a [Input]) -> Vec<Cow<'a, DriveLog>> {
+    fn pieces<'a>(&self, inputs: &'a [Input]) -> Pieces<'a> {
         let cut = |log: &'a DriveLog| match self.first {
             Some(samples) => Cow::Owned(log.first(samples)),
             None => Cow::Borrowed(log),

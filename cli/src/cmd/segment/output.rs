@@ -4,12 +4,19 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use drive_log::{Channel, DriveLog};
-use driver_model::{Optimality, PhaseKind, Segmented, StreamedPhase};
+use driver_model::{LeftOut, Optimality, PhaseKind, Segmented, StreamedPhase};
 use serde::Serialize;
 
 use crate::inputs::Input;
 use crate::render::svg::{self, SpeedPlot};
 use crate::render::table::{Table, number};
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    pub(super) logs: Vec<Entry<'a>>,
+    /// Pieces that are too short for what was asked, with the reason.
+    pub(super) left_out_drives: &'a [LeftOut],
+}
 
 #[derive(Serialize)]
 pub(super) struct Entry<'a> {

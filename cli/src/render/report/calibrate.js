@@ -23,7 +23,7 @@ function readCalibration(source) {
       matrix: list(correlation.matrix).map((row) => list(row).map(number)),
     },
     trips: list(doc.trips).map(readTrip),
-    unmeasured: list(doc.unmeasured).map(text),
+    leftOut: list(doc.left_out_drives).map((raw) => `${text(object(raw).log)} (${text(object(raw).reason)})`),
     summary: object(doc.summary),
     residuals: object(doc.residuals),
   };
@@ -97,9 +97,9 @@ const TRIP_COLUMNS = [
 ];
 
 /** What only some documents have gets a column where a trip has it. */
-function tripTable({ trips, unmeasured }) {
+function tripTable({ trips, leftOut }) {
   const columns = TRIP_COLUMNS.filter(({ optional, value }) => !optional || trips.some((trip) => Number.isFinite(value(trip))));
-  const left = unmeasured.length > 0 ? [note(`Left out, being without measured power: ${unmeasured.join(', ')}.`)] : [];
+  const left = leftOut.length > 0 ? [note(`Left out: ${leftOut.join(', ')}.`)] : [];
   return [...(trips.length > 0 ? [sortableTable('Errors by trip', columns, trips)] : []), ...left];
 }
 
@@ -171,7 +171,7 @@ function introduce(report) {
   }
   if (vague.length > 0) {
     const names = vague.map((parameter) => parameter.key).join(', ');
-    sentences.push(`The data do not identify ${fixed(vague.length, 0)} of them: ${names}.`);
+    sentences.push(`The data do not identify ${fixed(vague.length, 0)} of them, which keep their values: ${names}.`);
   }
   byId('headline').append(sentences.join(' '));
   byId('facts').append(

@@ -1,13 +1,13 @@
 use drive_log::Drive;
 use ev_energy::{
-    Calibration, CalibrationRecord, CalibrationTrip, Comparison, ParameterEstimate, Vehicle,
-    calibrate, leave_one_out,
+    Calibration, CalibrationRecord, CalibrationTrip, Comparison, Fold, JOULES_PER_KWH,
+    ParameterEstimate, Vehicle, calibrate, leave_one_out,
 };
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::input::EnergyInput;
-use crate::Error;
+use crate::{Error, LeftOut};
 
 /// A drive must have measured power for this long: every drive weighs the same.
 const SHORTEST_S: f64 = 60.0;
@@ -33,14 +33,24 @@ pub struct CalibrationReport {
     pub summary: CalibrationSummary,
     /// Model minus measured power of the fitted vehicle.
     pub residuals: Residuals,
-    /// Names of drives with less than a minute of measured power, which were left out.
-    pub unmeasured: Vec<String>,
+    /// Drives that cannot be calibrated to, which were left out.
+    pub left_out_drives: Vec<LeftOut>,
 }
 
 impl CalibrationReport {
-    /// What the vehicle file says of the calibration; `None` where no trip could be held out.
+    /// The parameters that the trips do not tell, which have their values from before.
+    pub fn untold(&self) -> impl Iterator<Item = &ParameterEstimate> {
+        self.parameters
+            .iter()
+            .filter(|parameter| !parameter.identified)
+    }
+
+    /// What the vehicle file says of the calibration; `None` where no trip could be held out, or nothing was told.
     #[must_use]
     pub fn record(&self) -> Option<CalibrationRecord> {
+        if self.untold().count() == self.parameters.len() {
+            return None;
+        }
         let score = &self.summary.held_out;
         Some(CalibrationRecord {
             trips: self.trips.len(),
@@ -159,13 +169,14 @@ pub struct ResidualBin {
     pub rms_w: f64,
 }
 
-/// Fits a vehicle to the measured power of drives and leaves out one trip after the other. Drives with less than a minute of
-/// measured power are left out. `finished` is called after every fit, of which there is one more than measured drives.
-///
+/// Fits a vehicle to the measured power of drives and leaves out one trip after the other, until the trips tell every parameter that
+/// is fitted; the others keep their values. Drives with less than a minute of measured power, or with measured energy that is negative
+/// on the whole, are left out. `finished` is called after every fold, as often as there are drives or a multiple of it, and once before. ///
 /// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Energy`] for samples outside the vehicle model's range, a fit that fails, or no drive with measured power.
+/// [`Error::InLog`] for samples outside the vehicle model's range, [`Error::Energy`] for a fit that fails,
+/// [`Error::NothingUsable`] without a drive that can be calibrated to.
 pub fn calibrate_vehicle(
     drives: &[&Drive],
     vehicle: &Vehicle,
@@ -176,22 +187,9 @@ pub fn calibrate_vehicle(
         .par_iter()
         .map(|drive| MeasuredDrive::of(drive, vehicle, slope_bandwidth_m))
         .collect::<Result<_, Error>>()?;
-    let (measured, unmeasured): (Vec<_>, Vec<_>) = measured
-        .into_iter()
-        .partition(|drive| drive.trip.measured_s() >= SHORTEST_S);
+    let (measured, left_out_drives) = usable(measured)?;
     let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
-    let all = calibrate(vehicle, &trips)?;
-    finished();
-    // Of one trip nothing can be left out.
-    let left_out = if trips.len() > 1 { trips.len() } else { 0 };
-    let folds = (0..left_out)
-        .into_par_iter()
-        .map(|k| {
-            let fold = leave_one_out(vehicle, &all, &trips, k)?;
-            finished();
-            Ok(fold)
-        })
-        .collect::<Result<Vec<_>, Error>>()?;
+    let (all, folds) = fit(vehicle, &trips, finished)?;
     let compare = |vehicle: &Vehicle| -> Result<Vec<Comparison>, Error> {
         trips
             .iter()
@@ -219,7 +217,8 @@ pub fn calibrate_vehicle(
         vehicle: fitted_vehicle,
         parameters,
         correlation,
-    } = all.with_intervals(&folds);
+        ..
+    } = all;
     Ok(CalibrationReport {
         residuals: residuals(&trips, &fitted_vehicle)?,
         vehicle: fitted_vehicle,
@@ -234,8 +233,51 @@ pub fn calibrate_vehicle(
             fitted: CalibrationScore::of(&fitted),
             held_out: CalibrationScore::of(&held_out),
         },
-        unmeasured: unmeasured.into_iter().map(|drive| drive.name).collect(),
+        left_out_drives,
     })
+}
+
+/// Drives that can be calibrated to, and the others with the reason.
+fn usable(drives: Vec<MeasuredDrive>) -> Result<(Vec<MeasuredDrive>, Vec<LeftOut>), Error> {
+    let (mut usable, mut left_out) = (Vec::new(), Vec::new());
+    for drive in drives {
+        match drive.unusable() {
+            Some(reason) => left_out.push(LeftOut::new(&drive.name, reason)),
+            None => usable.push(drive),
+        }
+    }
+    if usable.is_empty() {
+        let task = "calibration";
+        return Err(Error::NothingUsable { task, left_out });
+    }
+    Ok((usable, left_out))
+}
+
+/// The fit to all trips, and those without each of them, with every parameter held that the intervals do not tell.
+fn fit(
+    vehicle: &Vehicle,
+    trips: &[&CalibrationTrip],
+    finished: &(dyn Fn() + Sync),
+) -> Result<(Calibration, Vec<Fold>), Error> {
+    // Of one trip nothing can be left out.
+    let left_out = if trips.len() > 1 { trips.len() } else { 0 };
+    let mut all = calibrate(vehicle, trips)?;
+    finished();
+    loop {
+        let folds = (0..left_out)
+            .into_par_iter()
+            .map(|k| {
+                let fold = leave_one_out(vehicle, &all, trips, k);
+                finished();
+                fold
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        all = all.with_intervals(&folds);
+        match all.without_untold(vehicle, trips)? {
+            None => return Ok((all, folds)),
+            Some(fewer) => all = fewer,
+        }
+    }
 }
 
 /// A drive as the fit takes it.
@@ -243,20 +285,37 @@ struct MeasuredDrive {
     name: String,
     ambient_degc: Option<f64>,
     trip: CalibrationTrip,
+    /// At the terminals, J.
+    measured_j: f64,
 }
 
 impl MeasuredDrive {
+    /// Why it cannot be calibrated to.
+    fn unusable(&self) -> Option<String> {
+        if self.trip.measured_s() < SHORTEST_S {
+            return Some(
+                "less than a minute of volts and amps, which are the measured power".to_owned(),
+            );
+        }
+        let kwh = self.measured_j / JOULES_PER_KWH;
+        (kwh < 0.0).then(|| {
+            format!("measured energy is negative on the whole, {kwh:.3} kWh: turn the sign of the current, or it is downhill")
+        })
+    }
+
     fn of(drive: &Drive, vehicle: &Vehicle, slope_bandwidth_m: f64) -> Result<Self, Error> {
         let mut trip = CalibrationTrip::default();
         let mut ambient_degc = None;
         for log in &drive.pieces {
             let input = EnergyInput::of(log, slope_bandwidth_m)?;
             ambient_degc = ambient_degc.or(input.weather.map(|weather| weather.temperature_degc));
-            trip.add(vehicle, &input.trip(), &input.power_w)?;
+            trip.add(vehicle, &input.trip(), &input.power_w)
+                .map_err(|error| Error::from(error).in_log(log.name()))?;
         }
         Ok(Self {
             name: drive.name.clone(),
             ambient_degc,
+            measured_j: trip.compare(vehicle)?.measured_j,
             trip,
         })
     }

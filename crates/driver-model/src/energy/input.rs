@@ -51,7 +51,12 @@ pub fn slope_rad(log: &DriveLog, bandwidth_m: f64) -> Result<Option<Vec<f64>>, E
     Ok(slope(log, bandwidth_m)?.1)
 }
 
+/// As [`slope_rad`], with where it comes from; an error names the log.
 fn slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f64>>), Error> {
+    found_slope(log, bandwidth_m).map_err(|error| error.in_log(log.name()))
+}
+
+fn found_slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f64>>), Error> {
     let elevation_m = log.channel(Channel::Elevation);
     if let Some(slope_rad) = log.channel(Channel::Slope) {
         let known = |slope: &f64| if slope.is_finite() { *slope } else { 0.0 };
@@ -75,7 +80,7 @@ fn slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f6
     let Some(elevation_m) = elevation_m else {
         return Ok((SlopeSource::Level, None));
     };
-    let slope_rad = slope_from_elevation(&log.distance_m(), elevation_m, bandwidth_m)?;
+    let slope_rad = slope_from_elevation(&log.place_m(), elevation_m, bandwidth_m)?;
     Ok((SlopeSource::Elevation, Some(slope_rad)))
 }
 

@@ -209,7 +209,8 @@ pub fn drive_energy(
                 measured_power_w: Some(measured_w).filter(|power| power.is_finite()),
             });
             step += 1;
-        })?;
+        });
+        let energy = energy.map_err(|error| Error::from(error).in_log(log.name()))?;
         averager.finish(&mut keep);
         total.slope.energy_j += input.slope_energy_j(vehicle, energy.terminal_energy_j)?;
         total.modelled += energy;

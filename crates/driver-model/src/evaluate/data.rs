@@ -88,6 +88,7 @@ impl<'a> EvaluationData<'a> {
         if self.units.len() < 2 {
             return Err(Error::TooFewTrips {
                 found: self.units.len(),
+                needed: 2,
             });
         }
         if self

@@ -123,7 +123,8 @@ pub struct Evaluation {
 /// out, and said.
 ///
 /// # Errors
-/// [`Error::TooFewTrips`] below two units, [`Error::TooFewPhases`] when no trip has a phase, [`Error::Energy`] from the vehicle.
+/// [`Error::TooFewTrips`] below two units, [`Error::TooFewPhases`] when no trip has a phase, [`Error::InLog`] for a drive that the
+/// vehicle cannot have driven.
 pub fn leave_one_out(
     kind: PhaseKind,
     data: &EvaluationData<'_>,
@@ -210,7 +211,8 @@ fn hold_out(
             Ok(EvaluatedPhase {
                 trip,
                 unit,
-                energy_j: energy_j(vehicle, curve, curve.speed_mps())?,
+                energy_j: energy_j(vehicle, curve, curve.speed_mps())
+                    .map_err(|error| error.in_log(&data.trips[trip].name))?,
                 curve: curve.clone(),
                 predictions: Vec::with_capacity(models.len()),
                 predicted_energy_j: Vec::with_capacity(models.len()),
@@ -221,7 +223,10 @@ fn hold_out(
         .iter()
         .map(
             |&model| match fold(unit, model, &training, &phases, vehicle, settings) {
-                Err(error @ (Error::TooFewPhases { .. } | Error::Fit { .. })) => Ok(Err(error)),
+                // The measured phases have an energy; what has none is a prediction that is no speed of a car.
+                Err(
+                    error @ (Error::TooFewPhases { .. } | Error::Fit { .. } | Error::Energy(_)),
+                ) => Ok(Err(error)),
                 outcome => outcome.map(Ok),
             },
         )

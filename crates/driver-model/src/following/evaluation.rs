@@ -113,7 +113,7 @@ pub fn evaluate_following(groups: &[FollowingGroup]) -> Result<FollowingEvaluati
         return Err(Error::TooFewStretches {
             found: groups.len(),
             needed: 2,
-            unit: "groups of drives with a stretch behind a vehicle",
+            unit: "units with a stretch behind a vehicle",
         });
     }
     let all = Fitted::to(groups.iter().copied())?;

@@ -62,7 +62,7 @@ impl FollowingModel {
             return Err(Error::TooFewStretches {
                 found: samples,
                 needed: kind.parameters().len(),
-                unit: "half seconds behind a vehicle to learn from",
+                unit: "half seconds behind a vehicle (lead_gap_m) to learn from",
             });
         }
         let ends: Vec<End> = kind

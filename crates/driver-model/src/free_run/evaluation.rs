@@ -118,7 +118,10 @@ pub fn evaluate_free_run(
     let mut left_out = Vec::new();
     let units = usable(groups, &mut left_out);
     if units.len() < 2 {
-        return Err(Error::TooFewTrips { found: units.len() });
+        return Err(Error::TooFewTrips {
+            found: units.len(),
+            needed: 2,
+        });
     }
     let folds = settings.folds.unwrap_or(units.len()).min(units.len());
     let outcomes = (0..folds)

@@ -4,7 +4,7 @@ use super::habit::WantedSpeed;
 use super::law_fit::laws;
 use super::recording::Recording;
 use super::{Slowdowns, TripDriver};
-use crate::Error;
+use crate::{Error, LeftOut};
 
 impl TripDriver {
     /// Learns from logs that know the speed limit in every sample. Vehicles ahead are part of it: who predicts from the road
@@ -22,6 +22,26 @@ impl TripDriver {
             .map(|log| Recording::of(log))
             .collect::<Result<Vec<_>, _>>()?;
         Self::fit_recordings(&recordings.iter().collect::<Vec<_>>())
+    }
+
+    /// Learns from the logs of which it can, and says which it cannot use and why.
+    ///
+    /// # Errors
+    /// [`Error::NothingUsable`] where there is no such log.
+    pub fn fit_usable(logs: &[&DriveLog]) -> Result<(Self, Vec<LeftOut>), Error> {
+        let (mut recordings, mut left_out) = (Vec::new(), Vec::new());
+        for log in logs {
+            match Recording::of(log) {
+                Ok(recording) => recordings.push(recording),
+                Err(reason) => left_out.push(LeftOut::new(log.name(), reason.to_string())),
+            }
+        }
+        if recordings.is_empty() {
+            let task = "whole trips from the road";
+            return Err(Error::NothingUsable { task, left_out });
+        }
+        let driver = Self::fit_recordings(&recordings.iter().collect::<Vec<_>>())?;
+        Ok((driver, left_out))
     }
 
     pub(super) fn fit_recordings(recordings: &[&Recording]) -> Result<Self, Error> {

@@ -62,7 +62,7 @@ impl Sums {
         let (speed_mps, accel_mps2, step_s) = (log.speed_mps(), log.accel_mps2(), log.step_s());
         let mut was_moving = false;
         for (&v, &a) in speed_mps.iter().zip(&accel_mps2) {
-            self.distance_m += v * step_s;
+            self.distance_m += v.abs() * step_s;
             if a > NOTABLE_ACCEL_MPS2 {
                 self.positive_work += v * a * step_s;
                 self.products.push(v * a);

@@ -37,12 +37,14 @@ impl Economy {
         for log in logs {
             let slope_rad = slope_rad(log, slope_bandwidth_m)?;
             let energy = |speed_mps: &[f64]| {
-                vehicle.trip_energy(&ev_energy::Trip {
+                let trip = ev_energy::Trip {
                     step_s: log.step_s(),
                     speed_mps,
                     slope_rad: slope_rad.as_deref(),
                     ..ev_energy::Trip::default()
-                })
+                };
+                let energy = vehicle.trip_energy(&trip);
+                energy.map_err(|error| Error::from(error).in_log(log.name()))
             };
             let smooth_mps = hann(log.speed_mps(), window(log.step_s()));
             let recorded = energy(log.speed_mps())?;

@@ -108,7 +108,7 @@ pub struct TrajectoryEvaluation {
     pub verdicts: Vec<HorizonVerdict>,
     /// Empty where a drive has no speed limits.
     pub trials: Vec<TrialResult>,
-    /// Models that could not be fitted, and why.
+    /// Models that could not be fitted, fitted baselines among them, and why.
     pub left_out: Vec<(String, String)>,
 }
 
@@ -117,20 +117,28 @@ pub struct TrajectoryEvaluation {
 /// `progress` is called [`TrajectorySettings::steps`] times.
 ///
 /// # Errors
-/// [`Error::TooFewTrips`] with fewer units than folds or less than two folds, and what fitting refuses for all models alike.
+/// [`Error::TooFewTrips`] with fewer units than folds, [`Error::Option`] for less than two folds, [`Error::Steps`] for drives of different sampling
+/// intervals, and what all models refuse alike. Drives that lack something are to be left out before, by
+/// [`TrajectoryData::usable`].
 pub fn evaluate_trajectory(
     data: &TrajectoryData,
     vehicle: &Vehicle,
     settings: &TrajectorySettings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<TrajectoryEvaluation, Error> {
-    if settings.folds < 2 || data.units.len() < settings.folds {
+    Error::unless_at_least(
+        "folds",
+        settings.folds as f64,
+        2.0,
+        "at least 2, so that other drives are left to learn from",
+    )?;
+    if data.units.len() < settings.folds {
         return Err(Error::TooFewTrips {
             found: data.units.len(),
+            needed: settings.folds,
         });
     }
-    let with_limits = data.courses.iter().all(|course| course.limit_mps.is_some());
-    let contestants = settings.contestants(with_limits);
+    let contestants = settings.contestants(data.has_limits());
     let jobs: Vec<(usize, usize)> = (0..contestants.len())
         .flat_map(|c| (0..settings.folds).map(move |fold| (c, fold)))
         .collect();
@@ -155,7 +163,7 @@ pub fn evaluate_trajectory(
             outcomes.by_ref().take(settings.folds).collect();
         match folds {
             Ok(folds) => evaluation.add(contestant, folds, data.units.len()),
-            Err(error) if contestant.is_optional() => {
+            Err(error) if contestant.learns() => {
                 evaluation
                     .left_out
                     .push((contestant.name(), error.to_string()));
@@ -172,8 +180,7 @@ impl TrajectorySettings {
     /// How often an evaluation reports progress.
     #[must_use]
     pub fn steps(&self, data: &TrajectoryData) -> usize {
-        let with_limits = data.courses.iter().all(|course| course.limit_mps.is_some());
-        self.contestants(with_limits).len() * self.folds
+        self.contestants(data.has_limits()).len() * self.folds
     }
 
     fn contestants(&self, with_limits: bool) -> Vec<Contestant> {
@@ -232,9 +239,13 @@ impl Contestant {
         }
     }
 
-    /// A baseline that cannot be fitted ends the evaluation.
-    fn is_optional(self) -> bool {
-        !matches!(self, Self::Direct(kind) if kind.is_baseline())
+    fn is_baseline(self) -> bool {
+        matches!(self, Self::Direct(kind) if kind.is_baseline())
+    }
+
+    /// What has nothing to learn from is left out.
+    fn learns(self) -> bool {
+        !matches!(self, Self::Direct(kind) if !kind.is_fitted())
     }
 
     fn run(
@@ -303,7 +314,8 @@ fn run_trial(
     for &i in &split.test {
         let course = &data.courses[i];
         let speed_mps = fitted.predict(course)?;
-        let figures = TripFigures::compare(course, &speed_mps, vehicle, settings.band_mps)?;
+        let figures = TripFigures::compare(course, &speed_mps, vehicle, settings.band_mps)
+            .map_err(|error| error.in_log(&course.name))?;
         trips.push(TrialTrip {
             course: i,
             speed_mps,
@@ -351,7 +363,7 @@ impl TrajectoryEvaluation {
         }
         let mut row = HorizonRow::new(
             contestant.name(),
-            !contestant.is_optional(),
+            contestant.is_baseline(),
             matches!(contestant, Contestant::Trial(_)),
             errors,
         );

@@ -7,6 +7,7 @@ mod evaluation;
 mod horizon;
 mod kind;
 mod predictors;
+mod selection;
 mod trial;
 mod trip_figures;
 

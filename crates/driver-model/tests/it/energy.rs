@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
-use driver_model::{EnergyTotals, SlopeSource, calibrate_vehicle, drive_energy};
+use driver_model::portrait::Portrait;
+use driver_model::{
+    EnergyTotals, Error, PhaseSettings, SlopeSource, Trip, calibrate_vehicle, drive_energy,
+};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 const SAMPLES: usize = 3000;
@@ -50,6 +53,100 @@ fn slope_comes_from_the_best_that_the_log_has() {
     let more_j = uphill.modelled.terminal_energy_j - level.modelled.terminal_energy_j;
     assert!((uphill.slope.energy_j - more_j).abs() < 1e-6 && more_j > 0.0);
     assert_eq!(level.slope.energy_j, 0.0);
+}
+
+/// A log of its own name at a constant speed, with other channels.
+fn steady(name: &str, speed_mps: f64, channels: &[(Channel, f64)]) -> Drive {
+    let all = channels
+        .iter()
+        .copied()
+        .chain([(Channel::Speed, speed_mps)]);
+    let all = all.map(|(channel, value)| (channel, vec![value; SAMPLES]));
+    Drive::from(DriveLog::new(name, 0.0, 0.1, all.collect()).unwrap())
+}
+
+#[test]
+fn an_error_about_one_of_many_drives_names_it() {
+    let rocket = steady("rocket", 2000.0, &[(Channel::Elevation, 500.0)]);
+    let drives = [&drive(&[]), &rocket];
+    let bandwidth_m = DEFAULT_SLOPE_BANDWIDTH_M;
+    let errors = [
+        drive_energy(&rocket, &i3(), bandwidth_m, |_| {}).err(),
+        calibrate_vehicle(&drives, &i3(), bandwidth_m, &|| {}).err(),
+        Portrait::of(&drives, &i3(), &PhaseSettings::default()).err(),
+    ];
+    for error in errors {
+        let error = error.unwrap();
+        assert!(
+            matches!(&error, Error::InLog { log, .. } if log == "rocket"),
+            "{error}"
+        );
+        assert!(
+            error
+                .to_string()
+                .starts_with("rocket: `speed_mps`[0] is 2000"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_car_that_creeps_back_at_every_stop_drives_on() {
+    let creeping = |v_mps: f64| {
+        let speed = (0..SAMPLES).map(|i| 10.0 * (i as f64 * 0.01).sin());
+        let speed = speed.map(|v| if v > 0.0 { v } else { v_mps });
+        let channels = BTreeMap::from([
+            (Channel::Speed, speed.collect()),
+            (Channel::Elevation, vec![500.0; SAMPLES]),
+        ]);
+        Drive::from(DriveLog::new("creeping", 0.0, 0.1, channels).unwrap())
+    };
+    let [standing, back] = [0.0, -0.01].map(creeping);
+    let energy_j = |drive: &Drive| {
+        let energy = drive_energy(drive, &i3(), DEFAULT_SLOPE_BANDWIDTH_M, |_| {}).unwrap();
+        energy.modelled.terminal_energy_j
+    };
+    assert!((energy_j(&back) / energy_j(&standing) - 1.0).abs() < 0.1);
+    let distance_m = back.pieces[0].distance_m();
+    assert!(distance_m.windows(2).all(|pair| pair[1] >= pair[0]));
+    assert!(
+        back.pieces[0]
+            .place_m()
+            .windows(2)
+            .any(|pair| pair[1] < pair[0])
+    );
+    Trip::from_drive(&back, &PhaseSettings::default()).unwrap();
+}
+
+#[test]
+fn drives_that_cannot_be_calibrated_to_are_named() {
+    let battery = |amps: f64| {
+        [
+            (Channel::BatteryVoltage, 350.0),
+            (Channel::BatteryCurrent, amps),
+        ]
+    };
+    let turned = steady("turned", 20.0, &battery(-30.0));
+    let blind = steady("blind", 20.0, &[]);
+    let bandwidth_m = DEFAULT_SLOPE_BANDWIDTH_M;
+    let error = calibrate_vehicle(&[&turned, &blind], &i3(), bandwidth_m, &|| {}).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("turned: measured energy is negative"),
+        "{text}"
+    );
+    assert!(text.contains("blind: less than a minute"), "{text}");
+    let driven = steady("driven", 20.0, &battery(30.0));
+    let drives = [&turned, &driven, &blind];
+    let report = calibrate_vehicle(&drives, &i3(), bandwidth_m, &|| {}).unwrap();
+    let left_out: Vec<&str> = report
+        .left_out_drives
+        .iter()
+        .map(|l| l.log.as_str())
+        .collect();
+    assert_eq!(left_out, ["turned", "blind"]);
+    assert_eq!((report.trips.len(), report.record()), (1, None));
+    assert_eq!(report.vehicle.spec(), i3().spec());
 }
 
 #[test]

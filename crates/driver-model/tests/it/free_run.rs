@@ -274,7 +274,7 @@ fn folds_do_not_depend_on_threads_and_useless_logs_are_named() {
     assert!(reasons[1].contains("duration_s"), "{reasons:?}");
     assert!(matches!(
         evaluated(&logs[..1], &settings),
-        Err(Error::TooFewTrips { found: 1 })
+        Err(Error::TooFewTrips { found: 1, .. })
     ));
     let short: Vec<DriveLog> = logs[..3].iter().map(|log| log.first(500)).collect();
     assert!(matches!(

@@ -12,6 +12,19 @@ pub struct CalibrationTrip {
     measured_s: f64,
 }
 
+/// Speeds that differ by less than this in the root mean square are of one trip, m/s.
+const SAME_MPS: f64 = 0.1;
+
+/// How many of these trips are no copies of one before them.
+pub(super) fn different(trips: &[&CalibrationTrip]) -> usize {
+    let is_new = |k: &usize| {
+        !trips[..*k]
+            .iter()
+            .any(|before| before.moves_like(trips[*k]))
+    };
+    (0..trips.len()).filter(is_new).count()
+}
+
 /// A motion of its own.
 #[derive(Debug, Clone)]
 struct Piece {
@@ -72,6 +85,17 @@ impl CalibrationTrip {
     pub(crate) fn is_colder_than(&self, temperature_degc: f64) -> bool {
         let colder = |weather: Weather| weather.temperature_degc < temperature_degc;
         self.pieces.iter().any(|p| p.weather.is_some_and(colder))
+    }
+
+    /// Whether the car moved as on another trip, but for noise.
+    fn moves_like(&self, other: &Self) -> bool {
+        let speeds = |trip: &Self| -> Vec<f64> {
+            let pieces = trip.pieces.iter();
+            pieces.flat_map(|piece| &piece.speed_mps).copied().collect()
+        };
+        let (own, others) = (speeds(self), speeds(other));
+        let squares: f64 = own.iter().zip(&others).map(|(a, b)| (a - b).powi(2)).sum();
+        own.len() == others.len() && squares <= SAME_MPS.powi(2) * own.len() as f64
     }
 
     /// Compares a vehicle's power with the measured.

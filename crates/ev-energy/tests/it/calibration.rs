@@ -77,6 +77,43 @@ fn truth(change: impl FnOnce(&mut VehicleSpec)) -> Vehicle {
     Vehicle::new(spec).unwrap()
 }
 
+/// Fits until the intervals tell every parameter that is left.
+fn told(trips: &[CalibrationTrip]) -> Calibration {
+    let trips: Vec<&CalibrationTrip> = trips.iter().collect();
+    let mut all = calibrate(&i3(), &trips).unwrap();
+    loop {
+        let fold = |k| leave_one_out(&i3(), &all, &trips, k).unwrap();
+        // Of one trip nothing can be left out.
+        let left_out = if trips.len() > 1 { trips.len() } else { 0 };
+        let folds: Vec<_> = (0..left_out).map(fold).collect();
+        all = all.with_intervals(&folds);
+        match all.without_untold(&i3(), &trips).unwrap() {
+            None => return all,
+            Some(fewer) => all = fewer,
+        }
+    }
+}
+
+/// What is not told has its value from before, in the vehicle too.
+fn assert_kept(fitted: &Calibration) {
+    for parameter in fitted.parameters.iter().filter(|p| !p.identified) {
+        assert_eq!(parameter.value, parameter.start, "{parameter:?}");
+        assert!(
+            parameter.tried.is_some() && parameter.ci95.is_none(),
+            "{parameter:?}"
+        );
+        assert!(
+            parameter.remark.starts_with("not identified: "),
+            "{parameter:?}"
+        );
+    }
+    let told = fitted.parameters.iter().filter(|p| p.identified);
+    assert!(told.clone().all(|p| p.tried.is_none()));
+    if told.count() == 0 {
+        assert_eq!(fitted.vehicle.spec(), i3().spec());
+    }
+}
+
 fn fit(trips: &[CalibrationTrip]) -> Calibration {
     let trips: Vec<&CalibrationTrip> = trips.iter().collect();
     calibrate(&i3(), &trips).unwrap()
@@ -136,7 +173,7 @@ fn intervals_come_from_leaving_trips_out_and_hold_the_truth() {
         low < 1600.0 && 1600.0 < high && high - low < 300.0,
         "{mass:?}"
     );
-    assert!(mass.identified && mass.std_error.unwrap() > 0.0);
+    assert!(mass.identified && mass.std_error.unwrap() > 0.0, "{mass:?}");
     let n = all.parameters.len();
     assert!(all.correlation.len() == n && all.correlation.iter().all(|row| row.len() == n));
 }
@@ -169,6 +206,72 @@ fn what_runs_into_its_bound_is_not_identified() {
         .unwrap();
     assert!(!auxiliary.identified, "{auxiliary:?}");
     assert!(auxiliary.remark.contains("upper bound"), "{auxiliary:?}");
+    assert!(auxiliary.tried.unwrap() > 1900.0, "{auxiliary:?}");
+    assert_kept(&fitted);
+}
+
+#[test]
+fn copies_of_one_trip_tell_nothing() {
+    let truth = truth(|_| {});
+    for count in [1, 2, 4] {
+        // a copy measured with other noise is still a copy
+        let copy = |k: usize| trips(&truth, 1, 2000.0 + k as f64).remove(0);
+        let fitted = told(&(0..count).map(copy).collect::<Vec<_>>());
+        assert!(
+            fitted.parameters.iter().all(|p| !p.identified),
+            "{:?}",
+            fitted.parameters
+        );
+        assert_kept(&fitted);
+    }
+}
+
+#[test]
+fn one_speed_tells_nothing() {
+    let speed_mps: Vec<f64> = (0..SAMPLES)
+        .map(|k| 25.0 + 0.1 * (k as f64 * 0.07).sin())
+        .collect();
+    let trip = Trip {
+        speed_mps: &speed_mps,
+        ..Trip::default()
+    };
+    let steady = |noise_w: f64| {
+        let mut steady = CalibrationTrip::default();
+        let power_w = (1..SAMPLES).map(|k| 15e3 + noise_w * (k as f64).sin());
+        steady
+            .add(&i3(), &trip, &power_w.collect::<Vec<_>>())
+            .unwrap();
+        steady
+    };
+    let fitted = fit(&[steady(100.0), steady(200.0), steady(300.0)]);
+    assert!(
+        fitted
+            .parameters
+            .iter()
+            .all(|p| p.remark.contains("one speed, 90 km/h"))
+    );
+    assert_kept(&fitted);
+}
+
+#[test]
+fn of_two_that_go_together_one_keeps_its_value_and_the_other_says_so() {
+    let fitted = told(&trips(&truth(|_| {}), 6, 2000.0));
+    assert_kept(&fitted);
+    for held in fitted
+        .parameters
+        .iter()
+        .filter(|p| p.remark.contains("correlation"))
+    {
+        let other = fitted
+            .parameters
+            .iter()
+            .find(|p| held.remark.contains(p.key))
+            .unwrap();
+        assert!(
+            !other.identified || other.remark.contains(held.key),
+            "{other:?}"
+        );
+    }
 }
 
 #[test]

@@ -120,18 +120,6 @@ fn bad_arguments_are_refused() {
         ),
         "{length}"
     );
-    let back = slope_from_elevation(&[0.0, 2.0, 1.0], &[0.0; 3], 100.0).unwrap_err();
-    assert!(
-        matches!(
-            back,
-            Error::Sample {
-                channel: "distance_m",
-                index: 2,
-                ..
-            }
-        ),
-        "{back}"
-    );
     let nan = slope_from_elevation(&[0.0, f64::NAN], &[0.0; 2], 100.0).unwrap_err();
     assert!(matches!(nan, Error::Sample { index: 1, .. }), "{nan}");
     let bandwidth = slope_from_elevation(&[0.0], &[0.0], f64::NAN).unwrap_err();
@@ -253,4 +241,72 @@ fn an_accelerometer_sees_what_elevation_does_not() {
     let level =
         slope_from_accelerometer(step_s, &speed_mps, &accelerometer_mps2, None, 50.0).unwrap();
     assert!(level.iter().sum::<f64>().abs() / (level.len() as f64) < 2e-3);
+}
+
+/// Out on a road of this slope, and back in reverse.
+fn out_and_back(slope: f64) -> (Vec<f64>, Vec<f64>) {
+    let place_m: Vec<f64> = (0..400)
+        .map(|k| 0.5 * f64::from(200 - i32::abs(200 - k)))
+        .collect();
+    let elevation_m = place_m.iter().map(|s| 431.7 + slope * s).collect();
+    (place_m, elevation_m)
+}
+
+#[test]
+fn a_car_that_backs_up_is_on_the_same_road() {
+    let (place_m, elevation_m) = out_and_back(0.04);
+    let slopes = slope_from_elevation(&place_m, &elevation_m, 20.0).unwrap();
+    for (place_m, slope) in place_m.iter().zip(slopes) {
+        assert!(
+            (slope - 0.04_f64.atan()).abs() < 1e-9,
+            "{slope} at {place_m} m"
+        );
+    }
+}
+
+#[test]
+fn noise_around_standstill_changes_no_slope() {
+    let standing = 100.0 + 0.001 * f64::from(3);
+    let noise = |k: i32| standing - 0.001 * f64::from(k % 7);
+    let before = (0..100).map(f64::from);
+    let after = (101..200).map(f64::from);
+    let place_m: Vec<f64> = before.chain((0..600).map(noise)).chain(after).collect();
+    let elevation_m: Vec<f64> = place_m.iter().map(|s| 0.02 * s).collect();
+    for slope in slope_from_elevation(&place_m, &elevation_m, 20.0).unwrap() {
+        assert!((slope - 0.02_f64.atan()).abs() < 1e-6, "{slope}");
+    }
+}
+
+#[test]
+fn an_accelerometer_feels_the_same_slope_forwards_and_backwards() {
+    let speed_mps: Vec<f64> = (0..800)
+        .map(|k| 5.0 * (f64::from(k) / 400.0 * std::f64::consts::PI).sin())
+        .collect();
+    let step_s = 0.1;
+    let feels = |k: usize| {
+        let next = (k + 1).min(speed_mps.len() - 1);
+        let before = k.saturating_sub(1);
+        (speed_mps[next] - speed_mps[before]) / ((next - before) as f64 * step_s)
+            + 9.80665 * 0.03_f64.sin()
+    };
+    let accelerometer_mps2: Vec<f64> = (0..speed_mps.len()).map(feels).collect();
+    let place = speed_mps.windows(2).scan(0.0, |place_m, v| {
+        *place_m += 0.5 * (v[0] + v[1]) * step_s;
+        Some(*place_m)
+    });
+    let elevation_m: Vec<f64> = std::iter::once(0.0)
+        .chain(place)
+        .map(|s| s * 0.03_f64.tan())
+        .collect();
+    let slopes = slope_from_accelerometer(
+        step_s,
+        &speed_mps,
+        &accelerometer_mps2,
+        Some(&elevation_m),
+        20.0,
+    )
+    .unwrap();
+    for slope in slopes {
+        assert!((slope - 0.03).abs() < 2e-3, "{slope}");
+    }
 }

@@ -6,7 +6,7 @@ use driver_model::trajectory::{
     FittedTrial, HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
     TrajectorySettings, TrialResult, TripFigures, TripSummary,
 };
-use driver_model::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip, TripDriver};
+use driver_model::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip, LeftOut, TripDriver};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -27,6 +27,12 @@ pub(super) struct Body<'a> {
     trials: Vec<Trial<'a>>,
     free_run: Option<FreeRun<'a>>,
     left_out: BTreeMap<&'a str, &'a str>,
+    /// Drives that cannot be used, with the reason.
+    pub(super) left_out_drives: &'a [LeftOut],
+    /// Parts without figures, with the reason.
+    pub(super) not_evaluated: BTreeMap<&'static str, String>,
+    /// The vehicle, where none was named.
+    pub(super) default_vehicle: Option<&'static str>,
 }
 
 /// Whole trips from the road, with what the road may know.
@@ -152,6 +158,9 @@ impl<'a> Body<'a> {
                 .map(|trial| Trial::new(trial, data))
                 .collect(),
             free_run: free_runs.map(FreeRun::new),
+            left_out_drives: &[],
+            not_evaluated: BTreeMap::new(),
+            default_vehicle: None,
             left_out: evaluation
                 .left_out
                 .iter()

@@ -18,31 +18,25 @@ pub(super) struct FreeRuns {
     pub(super) known: FreeRunEvaluation,
 }
 
-/// `None` where too few drives know their limits or are long enough.
+/// The reason in place of figures where too few drives know their limits or are long enough: it is no reason to lose the rest.
 pub(super) fn evaluate(
     inputs: &[Input],
     units: &[String],
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
-) -> anyhow::Result<Option<FreeRuns>> {
+) -> Result<FreeRuns, Error> {
     let groups = FreeRunGroup::by_unit(inputs.iter().map(|input| &input.drive), units);
     let with = |knowledge| {
         let settings = FreeRunSettings {
             knowledge,
             ..*settings
         };
-        match evaluate_free_run(&groups, &settings, vehicle, &|| {}) {
-            Err(Error::TooFewTrips { .. } | Error::TooFewPhases { .. }) => Ok(None),
-            evaluation => evaluation.map(Some),
-        }
+        evaluate_free_run(&groups, &settings, vehicle, &|| {})
     };
-    let (expected, known) = (
-        with(RoadKnowledge::Stops)?,
-        with(RoadKnowledge::StopsAndSlowdowns)?,
-    );
-    Ok(expected
-        .zip(known)
-        .map(|(expected, known)| FreeRuns { expected, known }))
+    Ok(FreeRuns {
+        expected: with(RoadKnowledge::Stops)?,
+        known: with(RoadKnowledge::StopsAndSlowdowns)?,
+    })
 }
 
 /// The longest trip that was compared, measured and as the driver of its fold drives it, second by second.

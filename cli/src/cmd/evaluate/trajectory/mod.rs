@@ -4,23 +4,28 @@ mod document;
 mod free_run;
 mod text;
 
+use std::collections::BTreeMap;
+
 use anyhow::bail;
 use clap::Args;
-use driver_model::FreeRunSettings;
+use drive_log::{Channel, DriveLog};
 use driver_model::trajectory::{
     DirectKind, DirectSettings, TrajectoryData, TrajectorySettings, evaluate_trajectory,
 };
+use driver_model::{FreeRunSettings, LeftOut};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
 use super::{EvaluateArgs, EvaluatedModel};
 use crate::cmd::courses::courses;
+use crate::cmd::left_out;
 use crate::flags::{Context, Format};
 use crate::inputs::Input;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
+use crate::words::plural;
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Trajectory")]
@@ -47,19 +52,21 @@ impl EvaluateArgs {
         vehicle: &Vehicle,
         context: &Context,
     ) -> anyhow::Result<serde_json::Value> {
-        let settings = self.trajectory_settings()?;
-        let data = self.trajectory_data(inputs, context)?;
+        let mut settings = self.trajectory_settings()?;
+        let (data, left_out) = self
+            .trajectory_data(inputs, context)?
+            .usable(&settings.direct)?;
+        left_out::mention(&left_out, context);
+        settings.folds = folds(settings.folds, &data, &left_out, context)?;
         let progress = Progress::new(context, "evaluating", settings.steps(&data));
         let evaluation = evaluate_trajectory(&data, vehicle, &settings, &|| progress.step())?;
         drop(progress);
         for (model, reason) in &evaluation.left_out {
             output::note(context, &format!("`{model}` is left out: {reason}"));
         }
-        if evaluation.trials.is_empty() {
-            output::note(
-                context,
-                "no speed limits in some drive: the trials of the thesis are left out",
-            );
+        let mut not_evaluated = BTreeMap::new();
+        if !data.has_limits() {
+            not_evaluated.insert("trials", without_limits(inputs));
         }
         let units = self.units(inputs);
         let free_run_settings = FreeRunSettings {
@@ -67,8 +74,18 @@ impl EvaluateArgs {
             slope_bandwidth_m: self.phases.settings().slope_bandwidth_m,
             ..FreeRunSettings::default()
         };
-        let free_runs = free_run::evaluate(inputs, &units, &free_run_settings, vehicle)?;
-        let body = document::Body::new(&data, &settings, &evaluation, free_runs.as_ref());
+        let free_runs = free_run::evaluate(inputs, &units, &free_run_settings, vehicle);
+        if let Err(reason) = &free_runs {
+            not_evaluated.insert("free_run", reason.to_string());
+        }
+        for (part, reason) in &not_evaluated {
+            output::note(context, &format!("no figures of {part}: {reason}"));
+        }
+        let free_runs = free_runs.ok();
+        let mut body = document::Body::new(&data, &settings, &evaluation, free_runs.as_ref());
+        body.default_vehicle = self.vehicle.by_default();
+        body.left_out_drives = &left_out;
+        body.not_evaluated = not_evaluated;
         let document = Document::new("evaluate", self, inputs, body);
         let figures = serde_json::to_value(&document)?;
         if let Some(path) = &self.report {
@@ -85,7 +102,13 @@ impl EvaluateArgs {
         match context.format {
             Format::Json => output::print_json(&document)?,
             Format::Text => {
-                output::print_text(&text::render(self, &data, &evaluation, free_runs.as_ref()))?;
+                output::print_text(&text::render(
+                    self,
+                    settings.folds,
+                    &data,
+                    &evaluation,
+                    free_runs.as_ref(),
+                ))?;
             }
         }
         Ok(figures)
@@ -133,5 +156,49 @@ impl EvaluateArgs {
             .iter()
             .map(|input| self.hold_out.unit_of(input))
             .collect()
+    }
+}
+
+/// As many folds as asked for, or as there are units; one unit cannot be held out.
+fn folds(
+    asked: usize,
+    data: &TrajectoryData,
+    left_out: &[LeftOut],
+    context: &Context,
+) -> anyhow::Result<usize> {
+    let units = data.units.len();
+    if units < 2 {
+        let reasons = left_out
+            .iter()
+            .map(|left_out| format!("\n  left out, {}: {}", left_out.log, left_out.reason));
+        bail!(
+            "one drive, file or driver, `{}`, is all that can be used, and nothing is left when it is held out; add logs{}",
+            data.units.join(", "),
+            reasons.collect::<String>()
+        );
+    }
+    if units < asked {
+        output::note(
+            context,
+            &format!("{units} folds in place of {asked}: there are no more units"),
+        );
+    }
+    Ok(asked.min(units))
+}
+
+/// Why the models do not know limits and the trials are left out.
+fn without_limits(inputs: &[Input]) -> String {
+    let pieces = || inputs.iter().flat_map(|input| &input.drive.pieces);
+    let known = |log: &&DriveLog| {
+        let limit_mps = log.channel(Channel::SpeedLimit);
+        limit_mps.is_some_and(|limit| limit.iter().any(|limit| limit.is_finite()))
+    };
+    match pieces().filter(known).count() {
+        0 => "no speed limits".to_owned(),
+        some => format!(
+            "speed limits in {some} of {}, less than half of the time or of one drive, so that no model is told of them; \
+             give those logs alone to use them",
+            plural(pieces().count(), "drive")
+        ),
     }
 }

@@ -9,18 +9,23 @@ use driver_model::{FreeRunEvaluation, PercentErrors};
 use super::EvaluateArgs;
 use super::free_run::FreeRuns;
 use crate::render::table::{Table, number};
+use crate::words::plural;
 
 pub(super) fn render(
     args: &EvaluateArgs,
+    folds: usize,
     data: &TrajectoryData,
     evaluation: &TrajectoryEvaluation,
     free_runs: Option<&FreeRuns>,
 ) -> String {
     let mut text = format!(
-        "{} drives, {} moments; every unit is held out once, in {} folds\n\n",
-        data.courses.len(),
-        evaluation.rows.first().map_or(0, |row| row.origins),
-        args.trajectory.folds,
+        "{}, {}; every unit is held out once, in {} folds\n\n",
+        plural(data.courses.len(), "drive"),
+        plural(
+            evaluation.rows.first().map_or(0, |row| row.origins),
+            "moment"
+        ),
+        folds,
     );
     text.push_str(&horizons(evaluation));
     text.push_str(&verdicts(evaluation));
@@ -78,8 +83,9 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
     for row in evaluation.rows.iter().filter(|row| row.unfinished > 0) {
         let _ = writeln!(
             text,
-            "{}: {} regressions stopped before the optimum.",
-            row.model, row.unfinished
+            "{}: {} stopped before the optimum.",
+            row.model,
+            plural(row.unfinished, "regression")
         );
     }
     text
@@ -117,7 +123,7 @@ fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
 fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
     let mut text = format!(
         "\nTrials of the thesis (Table 4.1): whole trips from their limits; energy of {}\n\n",
-        args.vehicle
+        args.vehicle.words()
     );
     let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
     let mut table = Table::new([
@@ -152,10 +158,10 @@ fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
     if let Some(summary) = evaluation.trials.first().and_then(TrialResult::summary) {
         let _ = writeln!(
             text,
-            "\nMeasured: {} MJ on {} drives. ΔE: measured minus predicted. The rest are means over drives.\n\
+            "\nMeasured: {} MJ on {}. ΔE: measured minus predicted. The rest are means over drives.\n\
              A window of limits is one of time: it knows what limits the car will have reached 5 s later.",
             number(summary.measured_energy_j * 1e-6, 3),
-            summary.trips,
+            plural(summary.trips, "drive"),
         );
     }
     text

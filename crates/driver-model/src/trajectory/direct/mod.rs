@@ -17,7 +17,7 @@ use crate::statistics::mean;
 pub use settings::DirectSettings;
 
 /// History that an origin must have behind it.
-const LEAST_PAST_S: f64 = 5.0;
+pub(super) const LEAST_PAST_S: f64 = 5.0;
 
 /// A fitted direct prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -41,7 +41,7 @@ impl DirectSettings {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(in crate::trajectory) fn check(&self) -> Result<(), Error> {
         let longest = self.horizons_s.iter().copied().fold(0.0, f64::max);
         Error::unless_at_least(
             "the number of horizons",

@@ -1,4 +1,5 @@
-use std::fmt::Write as _;
+mod text;
+
 use std::path::PathBuf;
 
 use anyhow::bail;
@@ -6,13 +7,14 @@ use clap::{Args, ValueEnum};
 use drive_log::DriveLog;
 use driver_model::trajectory::{Course, DirectKind, DirectModel, DirectSettings};
 use driver_model::{
-    Behaviour, CruiseModel, DriverModel, FittedModel, FollowingKind, FollowingModel, ModelFile,
-    ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip, TripDriver,
+    CruiseModel, DriverModel, Error, FittedModel, FollowingKind, FollowingModel, LeftOut,
+    ModelFile, ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip,
+    TripDriver,
 };
 use serde::Serialize;
 
 use super::courses::courses;
-use super::model::words;
+use super::left_out;
 use super::phases::PhaseArgs;
 use super::prior::PriorArgs;
 use crate::exit::Outcome;
@@ -158,6 +160,8 @@ struct Fitted {
     points: usize,
     /// Of functions of speed.
     residual_sum_of_squares: Option<f64>,
+    /// Drives that it could learn nothing from.
+    left_out: Vec<LeftOut>,
 }
 
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
@@ -172,12 +176,13 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
     let prior_inputs = args.prior.inputs(&args.logs.reading, context)?;
     let prior = args.phases.trips(&prior_inputs, context)?;
     let fitted = match args.model {
-        Model::Phase(kind) => args.fit_phases(kind, &trips, &prior)?,
-        Model::Cruise => fit_cruise(&trips)?,
-        Model::Following(kind) => fit_following(kind, &trips)?,
+        Model::Phase(kind) => named(args.fit_phases(kind, &trips, &prior), &trips)?,
+        Model::Cruise => named(fit_cruise(&trips), &trips)?,
+        Model::Following(kind) => named(fit_following(kind, &trips), &trips)?,
         Model::SpeedAhead(kind) => args.fit_ahead(kind, &inputs, context)?,
         Model::Trip => fit_trip_driver(&inputs)?,
     };
+    left_out::mention(&fitted.left_out, context);
     let record = TrainingRecord {
         phases: fitted.phases,
         points: fitted.points,
@@ -201,16 +206,17 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
                 training_phases: file.training.phases,
                 training_points: file.training.points,
                 residual_sum_of_squares: residuals,
+                left_out_drives: &fitted.left_out,
             };
             output::print_json(&Document::new("fit", args, &inputs, body))?;
         }
-        Format::Text => output::print_text(&text(args, &file, residuals))?,
+        Format::Text => output::print_text(&text::text(args, &file, residuals))?,
     }
     Ok(Outcome::Done)
 }
 
 impl FitArgs {
-    fn fit_phases(&self, model: ModelKind, own: &[Trip], prior: &[Trip]) -> anyhow::Result<Fitted> {
+    fn fit_phases(&self, model: ModelKind, own: &[Trip], prior: &[Trip]) -> Result<Fitted, Error> {
         let kind = match self.phase {
             Phase::Acceleration => PhaseKind::Acceleration,
             Phase::Braking => PhaseKind::Braking,
@@ -229,6 +235,11 @@ impl FitArgs {
             phases: training.phases.len(),
             points: training.points.len(),
             residual_sum_of_squares: model.residual_sum_of_squares(&training.points),
+            left_out: left_out::without(
+                own,
+                |trip| trip.phases_of(kind).next().is_some(),
+                &format!("no {} phase that counts", kind.name()),
+            ),
             model: match self.phase {
                 Phase::Acceleration => FittedModel::Acceleration(model),
                 Phase::Braking => FittedModel::Braking(model),
@@ -243,17 +254,19 @@ impl FitArgs {
         context: &Context,
     ) -> anyhow::Result<Fitted> {
         let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
-        let courses: Vec<&Course> = courses.iter().flatten().collect();
         let settings = DirectSettings {
             slope_ahead: self.slope_ahead,
             ..DirectSettings::at(&self.horizons)
         };
+        let (courses, left_out) = settings.usable(courses.into_iter().flatten().collect())?;
+        let courses: Vec<&Course> = courses.iter().collect();
         let model = DirectModel::fit(kind, &courses, &settings)?;
         Ok(Fitted {
             phases: courses.len(),
             points: model.samples(),
             model: FittedModel::SpeedAhead(model),
             residual_sum_of_squares: None,
+            left_out,
         })
     }
 
@@ -278,36 +291,58 @@ impl FitArgs {
     }
 }
 
-fn fit_cruise(trips: &[Trip]) -> anyhow::Result<Fitted> {
+/// An error of too little to learn from says what every drive has.
+fn named(fitted: Result<Fitted, Error>, trips: &[Trip]) -> anyhow::Result<Fitted> {
+    fitted.map_err(|error| match error {
+        Error::TooFewPhases { .. } | Error::TooFewStretches { .. } => {
+            anyhow::anyhow!("{error}{}", left_out::contents_of(trips))
+        }
+        error => error.into(),
+    })
+}
+
+fn fit_cruise(trips: &[Trip]) -> Result<Fitted, Error> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.cruise).collect();
     Ok(Fitted {
         model: FittedModel::Cruise(CruiseModel::fit(&stretches)?),
         phases: stretches.len(),
         points: 0,
         residual_sum_of_squares: None,
+        left_out: left_out::without(
+            trips,
+            |trip| !trip.cruise.is_empty(),
+            "no stretch of cruising that counts",
+        ),
     })
 }
 
-fn fit_following(kind: FollowingKind, trips: &[Trip]) -> anyhow::Result<Fitted> {
+fn fit_following(kind: FollowingKind, trips: &[Trip]) -> Result<Fitted, Error> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.following).collect();
     Ok(Fitted {
         model: FittedModel::Following(FollowingModel::fit(kind, &stretches)?.model),
         phases: stretches.len(),
         points: 0,
         residual_sum_of_squares: None,
+        left_out: left_out::without(
+            trips,
+            |trip| !trip.following.is_empty(),
+            "no stretch behind a vehicle that counts",
+        ),
     })
 }
 
-fn fit_trip_driver(inputs: &[Input]) -> anyhow::Result<Fitted> {
+fn fit_trip_driver(inputs: &[Input]) -> Result<Fitted, Error> {
     let logs: Vec<&DriveLog> = inputs
         .iter()
         .flat_map(|input| &input.drive.pieces)
         .collect();
+    let (driver, left_out) = TripDriver::fit_usable(&logs)?;
     Ok(Fitted {
-        model: FittedModel::Trip(TripDriver::fit(&logs)?),
-        phases: logs.len(),
+        model: FittedModel::Trip(driver),
+        phases: logs.len() - left_out.len(),
         points: 0,
         residual_sum_of_squares: None,
+        left_out,
     })
 }
 
@@ -325,46 +360,6 @@ struct Body<'a> {
     training_phases: usize,
     training_points: usize,
     residual_sum_of_squares: Option<f64>,
-}
-
-fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> String {
-    let training = &file.training;
-    let behaviour = file.model.behaviour();
-    let what = match behaviour {
-        Behaviour::Acceleration | Behaviour::Braking => {
-            format!("{} phases and {} points", behaviour.name(), training.points)
-        }
-        Behaviour::Cruise | Behaviour::Following => {
-            format!("stretches of {}", behaviour.name())
-        }
-        Behaviour::SpeedAhead => format!("drives, {} moments", training.points),
-        Behaviour::Trip => "drives".to_owned(),
-    };
-    let mut text = format!(
-        "{} fitted to {} {what} of {} drives",
-        file.model.name(),
-        training.phases,
-        training.inputs.len(),
-    );
-    if !training.prior_inputs.is_empty() {
-        let _ = write!(
-            text,
-            " and {} of other drivers (weight {})",
-            training.prior_inputs.len(),
-            training.prior_weight
-        );
-    }
-    let _ = writeln!(
-        text,
-        ", written to {}\n{}",
-        args.output.display(),
-        words(file)
-    );
-    if let Some(sum) = residuals {
-        let _ = writeln!(
-            text,
-            "residual sum of squares {sum:.2} (m/s²)² over the points"
-        );
-    }
-    text
+    /// Drives that the model could learn nothing from, with the reason.
+    left_out_drives: &'a [LeftOut],
 }
