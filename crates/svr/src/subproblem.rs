@@ -79,7 +79,7 @@ impl Subproblem {
     /// `max_steps` moves and steps, and how many were made.
     pub(crate) fn minimise(&mut self, tolerance: f64, max_steps: usize) -> usize {
         let n = self.beta.len();
-        let (mut steps, mut moves) = (0, 0);
+        let (mut steps, mut moves) = (0, 0_usize);
         while steps < max_steps {
             let (i, up) = greatest(&self.up);
             let row = &self.kernel[i * n..(i + 1) * n];
@@ -89,7 +89,7 @@ impl Subproblem {
             }
             self.exchange(i, j);
             (steps, moves) = (steps + 1, moves + 1);
-            if moves % (MOVES_PER_FACE * n) == 0 {
+            if moves.is_multiple_of(MOVES_PER_FACE * n) {
                 steps += self.descend_faces(max_steps - steps);
             }
         }
@@ -132,7 +132,7 @@ impl Subproblem {
         let rise: f64 = rises
             .map(|((&i, after), slope)| (after - self.beta[i]) * (slope + 0.5 * products[i]))
             .sum();
-        if !(rise < 0.0) {
+        if rise >= 0.0 || rise.is_nan() {
             return false;
         }
         for (&i, &after) in step.free.iter().zip(&step.beta) {
