@@ -47,12 +47,14 @@
 //! - S. Mehrotra: On the implementation of a primal-dual interior point method. SIAM Journal on Optimization 2, 1992.
 //! - R.-E. Fan, P.-H. Chen, C.-J. Lin: Working set selection using second order information for training support vector
 //!   machines. Journal of Machine Learning Research 6, 2005.
+//! - J. Nocedal, S. Wright: Numerical Optimization, 2nd edition, 2006. Active sets.
 //! - T. Joachims: Making large-scale SVM learning practical. Advances in Kernel Methods, 1999. Decomposition.
 //! - C. Williams, M. Seeger: Using the Nyström method to speed up kernel machines. NIPS 2000.
 
 mod deadline;
 mod error;
 mod expansion;
+mod face;
 mod folds;
 mod kernel;
 mod kernel_rows;

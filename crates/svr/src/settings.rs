@@ -58,7 +58,7 @@ pub struct Stopping {
     /// Linear: duality gap as a share of the objective, 10⁻⁸ when none is given. Kernel: by how much a pair of samples may
     /// violate optimality, in units of the (scaled) response, 10⁻³ when none is given.
     pub tolerance: Option<f64>,
-    /// Linear: Newton steps. Kernel: pairs moved. 10 million.
+    /// Linear: Newton steps. Kernel: pairs moved, and Newton steps between. 10 million.
     pub max_iterations: usize,
     /// Wall clock, checked between steps; none.
     pub time_limit_s: Option<f64>,
