@@ -8,10 +8,12 @@ use std::ops::Range;
 
 use super::held::quantile;
 use super::{Checked, constant_runs};
+use crate::prepare::median_step_s;
 use crate::{Action, Channel, FindingKind};
 
-/// Steps under this are lost in the smoothing, m/s: 0.2 km/h.
+/// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: 0.1 m/s at 1 Hz.
 const LEAST_STEP_MPS: f64 = 0.05;
+const LEAST_STEP_MPS2: f64 = 0.2;
 
 /// Changes that tell the step, and the share of them that must be a multiple of it.
 const LEAST_CHANGES: usize = 20;
@@ -32,6 +34,9 @@ pub(super) fn smooth_speed(checked: &mut Checked) {
     let Some(step_mps) = step_mps(speed_mps) else {
         return;
     };
+    if step_mps < LEAST_STEP_MPS2 * median_step_s(time_s) {
+        return;
+    }
     let mut smooth_mps = speed_mps.to_vec();
     for range in continuous(speed_mps, &checked.cuts) {
         smoothed(&time_s[range.clone()], &mut smooth_mps[range], step_mps);
