@@ -13,15 +13,16 @@ mod divided;
 mod heating;
 mod held;
 mod layouts;
-mod plausibility;
 mod odd_rows;
 mod parquet_columns;
+mod plausibility;
 mod quality;
 mod real_data;
 mod resample;
 mod roundtrip;
 mod shared_cases;
 mod times;
+mod twins;
 
 use std::collections::BTreeMap;
 use std::path::Path;
