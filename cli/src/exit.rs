@@ -12,6 +12,16 @@ pub(crate) enum Outcome {
     Negative,
 }
 
+impl Outcome {
+    /// Done only where both are.
+    pub(crate) fn and(self, other: Self) -> Self {
+        match self {
+            Self::Done => other,
+            Self::Negative => Self::Negative,
+        }
+    }
+}
+
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> Self {
         match outcome {

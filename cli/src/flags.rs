@@ -13,8 +13,8 @@ pub(crate) struct Global {
     /// Output on stdout
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Worker threads; 0 takes one per core
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    /// Worker threads; 0 takes one per core, at most four per core or 64
+    #[arg(long, global = true, default_value_t = 0, value_parser = threads, value_name = "N")]
     threads: usize,
     /// No notes and no progress on stderr
     #[arg(long, short, global = true)]
@@ -43,6 +43,18 @@ enum Color {
     Auto,
     Always,
     Never,
+}
+
+/// A number of threads that this computer can use.
+fn threads(text: &str) -> Result<usize, String> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = (4 * cores).max(64);
+    match text.parse() {
+        Ok(threads) if threads <= most => Ok(threads),
+        _ => Err(format!(
+            "expected a number of threads, 0 to {most} with the {cores} cores of this computer"
+        )),
+    }
 }
 
 /// What a subcommand needs to know of the global flags.
@@ -104,6 +116,16 @@ pub(crate) struct ReadingArgs {
     /// Take a uniform log as it is: no resampling, no smoothing
     #[arg(long)]
     pub(crate) raw: bool,
+    /// What a broken log does: stop the run, or be skipped and listed, with exit code 1 at the end
+    #[arg(long, value_enum, default_value_t = OnError::Stop, value_name = "WHAT")]
+    pub(crate) on_error: OnError,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum OnError {
+    Stop,
+    Skip,
 }
 
 impl ReadingArgs {

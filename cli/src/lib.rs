@@ -8,6 +8,7 @@ mod config;
 mod drives;
 mod exit;
 mod flags;
+mod folders;
 mod inputs;
 mod output;
 mod progress;

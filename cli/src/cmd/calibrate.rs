@@ -56,7 +56,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     if let Some(path) = &args.report {
         output::check_file_place(path)?;
     }
-    let inputs = inputs::load(&args.logs, context)?;
+    let inputs = inputs::load_once(&args.logs, context)?;
     let drives: Vec<&Drive> = inputs.iter().map(|input| &input.drive).collect();
     let progress = Progress::new(context, "fitting", drives.len() + 1);
     let report = calibrate_vehicle(&drives, &start, args.slope_bandwidth, &|| progress.step())?;
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&report))?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 #[derive(Serialize)]

@@ -1,5 +1,6 @@
 //! Drives as predictions of speed see them, shared by `fit`, `predict` and `evaluate`.
 
+use anyhow::Context as _;
 use driver_model::trajectory::Course;
 use rayon::prelude::*;
 
@@ -30,7 +31,9 @@ pub(crate) fn courses(
             .pieces
             .iter()
             .map(|log| Course::of_log(log, slope_bandwidth_m));
-        Ok(courses.collect::<Result<_, _>>()?)
+        courses
+            .collect::<Result<_, _>>()
+            .with_context(|| input.label())
     };
     inputs.par_iter().map(of_input).collect()
 }

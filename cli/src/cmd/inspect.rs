@@ -40,7 +40,7 @@ pub(crate) fn run(args: &InspectArgs, context: &Context) -> anyhow::Result<Outco
             output::print_text(&texts.join("\n"))?;
         }
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 #[derive(Serialize)]

@@ -1,5 +1,6 @@
 //! Flags that say which phases count, shared by `fit`, `predict` and `evaluate`.
 
+use anyhow::Context as _;
 use clap::Args;
 use driver_model::{PhaseSettings, Trip};
 use rayon::prelude::*;
@@ -45,7 +46,8 @@ impl PhaseArgs {
         inputs
             .par_iter()
             .map(|input| {
-                let trip = Trip::from_drive(&input.drive, &settings)?;
+                let trip =
+                    Trip::from_drive(&input.drive, &settings).with_context(|| input.label())?;
                 progress.step();
                 Ok(trip)
             })

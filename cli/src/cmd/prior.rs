@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use driver_model::{DEFAULT_PRIOR_WEIGHT, Trip};
+use driver_model::DEFAULT_PRIOR_WEIGHT;
 use serde::Serialize;
 
-use super::phases::PhaseArgs;
 use crate::flags::{Context, LogArgs, ReadingArgs};
-use crate::inputs::{self, Input};
+use crate::inputs::{self, Input, Inputs};
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Other drivers")]
@@ -31,30 +30,21 @@ impl PriorArgs {
         self.prior_weight
     }
 
-    /// The logs of other drivers, none where none are named.
+    /// The logs of other drivers, none where none are named; a drive that is an own one too is left out.
     pub(crate) fn inputs(
         &self,
         reading: &ReadingArgs,
+        own: &[Input],
         context: &Context,
-    ) -> anyhow::Result<Vec<Input>> {
+    ) -> anyhow::Result<Inputs> {
         if self.prior.is_empty() {
-            return Ok(Vec::new());
+            return Ok(Inputs::default());
         }
         let logs = LogArgs {
             logs: self.prior.clone(),
             reading: reading.clone(),
         };
-        inputs::load(&logs, context)
-    }
-
-    /// Their phases.
-    pub(crate) fn trips(
-        &self,
-        reading: &ReadingArgs,
-        phases: &PhaseArgs,
-        context: &Context,
-    ) -> anyhow::Result<Vec<Trip>> {
-        phases.trips(&self.inputs(reading, context)?, context)
+        inputs::load_others(&logs, own, context)
     }
 }
 

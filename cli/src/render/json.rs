@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::inputs::{Input, InputEntry};
+use crate::inputs::{Beside, Input, InputEntry, Inputs};
 
 /// `schema`, `version`, `config`, `inputs`, then whatever the subcommand has to say.
 #[derive(Debug, Serialize)]
@@ -10,19 +10,58 @@ pub(crate) struct Document<'a, C, B> {
     schema: String,
     version: &'static str,
     config: &'a C,
-    inputs: Vec<InputEntry<'a>>,
+    #[serde(flatten)]
+    listing: Listing<'a>,
     #[serde(flatten)]
     pub(crate) body: B,
 }
 
 impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
-    pub(crate) fn new(subcommand: &str, config: &'a C, inputs: &'a [Input], body: B) -> Self {
+    pub(crate) fn new(
+        subcommand: &str,
+        config: &'a C,
+        inputs: impl Into<Listing<'a>>,
+        body: B,
+    ) -> Self {
         Self {
             schema: format!("drivekit/{subcommand}/1"),
             version: env!("CARGO_PKG_VERSION"),
             config,
-            inputs: inputs.iter().map(Input::entry).collect(),
+            listing: inputs.into(),
             body,
+        }
+    }
+
+    /// With what was not read of the logs of others.
+    pub(crate) fn beside(mut self, others: &Inputs) -> Self {
+        self.listing.files = self.listing.files.map(|files| files.with(others.beside()));
+        self
+    }
+}
+
+/// What was read, and in `files` what was not.
+#[derive(Debug, Serialize)]
+pub(crate) struct Listing<'a> {
+    inputs: Vec<InputEntry<'a>>,
+    /// `None` for subcommands that read no logs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    files: Option<Beside>,
+}
+
+impl<'a> From<&'a Inputs> for Listing<'a> {
+    fn from(inputs: &'a Inputs) -> Self {
+        Self {
+            inputs: inputs.iter().map(Input::entry).collect(),
+            files: Some(inputs.beside().clone()),
+        }
+    }
+}
+
+impl From<&[Input; 0]> for Listing<'_> {
+    fn from(_: &[Input; 0]) -> Self {
+        Self {
+            inputs: Vec::new(),
+            files: None,
         }
     }
 }

@@ -33,12 +33,20 @@ pub enum Error {
         problem: std::io::Error,
     },
     /// The content is larger than what is read into memory.
-    #[error("{}: more than {limit_bytes} bytes after decompression; split the file", path.display())]
+    #[error("{}: more than {limit_bytes} bytes; split the file", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// The limit.
         limit_bytes: u64,
+    },
+    /// Another file than a log, or nothing.
+    #[error("{}: {found}, no log; a log is CSV or Parquet, with a header and a row per sample", path.display())]
+    NotALog {
+        /// The file.
+        path: PathBuf,
+        /// What it is instead.
+        found: &'static str,
     },
     /// The content is not text that can be read.
     #[error("{}: {found} at byte {byte}; save the log as CSV in UTF-8 or Latin-1, or as Parquet", path.display())]
@@ -189,8 +197,8 @@ pub enum Error {
         /// The step expected, s.
         step_s: f64,
     },
-    /// A line of a stream that does not end.
-    #[error("{}, line {line}: longer than {limit_bytes} bytes; is this a log with a row per sample?", path.display())]
+    /// A line that does not end.
+    #[error("{}, line {line}: longer than {limit_bytes} bytes; a log has columns for channels and a row per sample", path.display())]
     LongLine {
         /// The file.
         path: PathBuf,
@@ -303,6 +311,8 @@ pub enum Error {
         path: PathBuf,
         /// The headers, the first twenty.
         found: String,
+        /// Whether one of the headers names a speed, or there are none.
+        may_be_a_log: bool,
     },
     /// No built-in layout has this name.
     #[error("there is no layout {name:?}; known layouts: {known}")]
@@ -497,6 +507,22 @@ pub enum Error {
         /// What the encoder said.
         problem: String,
     },
+}
+
+impl Error {
+    /// Whether it is another file than a log, and not a log that is broken: a picture, a page, a text, a table of something
+    /// else. A folder may hold such.
+    #[must_use]
+    pub fn is_no_log(&self) -> bool {
+        matches!(
+            self,
+            Error::NotALog { .. }
+                | Error::UnknownLayout {
+                    may_be_a_log: false,
+                    ..
+                }
+        )
+    }
 }
 
 /// What to do about a cell that is no number.

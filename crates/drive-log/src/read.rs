@@ -1,9 +1,12 @@
 //! From a file to its logs.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+use crate::head::names_a_speed;
 use crate::layout::{Form, Head, Layout, LayoutChoice, Plan, speed_without_unit};
 use crate::source::Source;
 use crate::text::Table;
@@ -28,13 +31,32 @@ pub struct LogFile {
 /// UTF-8 or Latin-1, or Parquet; each as it is, or compressed with gzip or zstd.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read, else those of [`read_bytes`].
+/// [`Error::Read`] if the file cannot be read, else those of [`read_from`].
 pub fn read_file(path: &Path, layout: &LayoutChoice) -> Result<LogFile, Error> {
-    let bytes = std::fs::read(path).map_err(|problem| Error::Read {
+    let failed = |problem| read_error(path, problem);
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.len() > compressed::LIMIT_BYTES {
+        return Err(compressed::too_large(path, compressed::LIMIT_BYTES));
+    }
+    read_from(path, file, layout)
+}
+
+/// Reads what may have no end, a pipe for example, as [`read_file`] does; `path` is for names and messages only.
+///
+/// # Errors
+/// [`Error::NotALog`] as soon as the first 64 KiB show that it is none, [`Error::TooLarge`] for more than 4 GiB,
+/// [`Error::Read`] if reading fails, else those of [`read_bytes`].
+pub fn read_from(path: &Path, input: impl Read, layout: &LayoutChoice) -> Result<LogFile, Error> {
+    let failed = |problem| read_error(path, problem);
+    let bytes = compressed::whole(path, input, compressed::LIMIT_BYTES, failed)?;
+    read_bytes(path, &bytes, layout)
+}
+
+fn read_error(path: &Path, problem: std::io::Error) -> Error {
+    Error::Read {
         path: path.to_owned(),
         problem,
-    })?;
-    read_bytes(path, &bytes, layout)
+    }
 }
 
 /// Reads the bytes of a file as [`read_file`] does; `path` is for names and messages only.
@@ -98,9 +120,11 @@ fn unknown(path: &Path, head: &Head) -> Error {
     } else {
         format!("none, {} columns of numbers", head.headers.len())
     };
+    let names = |header: &String| names_a_speed(header);
     Error::UnknownLayout {
         path: path.to_owned(),
         found,
+        may_be_a_log: !head.has_header || head.headers.iter().any(names),
     }
 }
 

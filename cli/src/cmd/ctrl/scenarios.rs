@@ -8,10 +8,8 @@ use unicycle_cbf::Testbed;
 
 use super::scenario::{PresetName, apply, from_file};
 use crate::flags::Context;
+use crate::folders::files_below;
 use crate::output;
-
-/// Deepest folder in a folder, so that links that go round end.
-const DEEPEST: usize = 32;
 
 /// What scenarios are asked for, and with which controllers.
 pub(crate) struct Wanted<'a> {
@@ -122,11 +120,9 @@ fn files_of(arguments: &[&String], context: &Context) -> anyhow::Result<Vec<Path
 
 /// A folder may hold other files of settings, those of links for example, which are named.
 fn scenarios_in(folder: &Path, context: &Context) -> anyhow::Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    search(folder, 0, &mut files)?;
-    files.sort();
     let mut scenarios = Vec::new();
-    for file in files {
+    let files = files_below(folder)?;
+    for file in files.into_iter().filter(|file| is_toml(file)) {
         if is_scenario(&file)? {
             scenarios.push(file);
         } else {
@@ -140,24 +136,6 @@ fn scenarios_in(folder: &Path, context: &Context) -> anyhow::Result<Vec<PathBuf>
         folder.display()
     );
     Ok(scenarios)
-}
-
-fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
-    let failed = || format!("cannot list the folder `{}`", folder.display());
-    ensure!(
-        depth <= DEEPEST,
-        "more than {DEEPEST} folders in each other at `{}`; does a link go round?",
-        folder.display()
-    );
-    for entry in folder.read_dir().with_context(failed)? {
-        let path = entry.with_context(failed)?.path();
-        if path.is_dir() {
-            search(&path, depth + 1, files)?;
-        } else if is_toml(&path) {
-            files.push(path);
-        }
-    }
-    Ok(())
 }
 
 /// What cannot be read as TOML is meant to be one, and its error is the user's to see.

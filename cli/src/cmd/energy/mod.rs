@@ -4,6 +4,7 @@ mod trace;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
 use driver_model::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
 use ev_energy::{CalibrationRecord, Vehicle};
@@ -79,7 +80,8 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
                 name: &input.drive.name,
                 origin: &input.drive.origin,
                 vehicle: &vehicle.spec().name,
-                energy: drive_energy(&input.drive, vehicle, args.slope_bandwidth, |_| {})?,
+                energy: drive_energy(&input.drive, vehicle, args.slope_bandwidth, |_| {})
+                    .with_context(|| input.label())?,
                 curve: None,
             })
         })
@@ -118,7 +120,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 #[derive(Serialize)]

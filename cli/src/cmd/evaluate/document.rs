@@ -13,13 +13,15 @@ use driver_model::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::hold_out::{HoldOut, Units, UnitsEntry};
 use super::missing::Missing;
-use super::{EvaluateArgs, Findings, HoldOut};
+use super::{EvaluateArgs, Findings};
 use crate::words::plural;
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     hold_out: HoldOut,
+    held_out: UnitsEntry,
     /// Acceleration on the outside, as scripts have known it.
     #[serde(flatten)]
     acceleration: Kind<'a>,
@@ -102,10 +104,11 @@ struct FoldEntry<'a> {
 }
 
 impl<'a> Body<'a> {
-    pub(super) fn new(args: &EvaluateArgs, findings: &'a Findings) -> Self {
+    pub(super) fn new(args: &EvaluateArgs, units: &Units, findings: &'a Findings) -> Self {
         let fits = findings.fits.iter().filter(|(_, fits)| !fits.is_empty());
         Self {
-            hold_out: args.hold_out,
+            hold_out: args.hold_out.hold_out,
+            held_out: units.entry(),
             default_vehicle: args.vehicle.by_default(),
             acceleration: findings
                 .acceleration

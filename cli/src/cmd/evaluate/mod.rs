@@ -1,11 +1,12 @@
 //! The main job: how well models predict drives that they have not seen.
 
 mod document;
+mod hold_out;
 mod missing;
 mod text;
 mod trajectory;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
@@ -24,12 +25,13 @@ use super::prior::PriorArgs;
 use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
-use crate::inputs::{self, Input};
+use crate::inputs::{self, Inputs};
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::require::Requirement;
+use hold_out::{HoldOutArgs, Units};
 use missing::Missing;
 use trajectory::TrajectoryArgs;
 
@@ -68,9 +70,9 @@ pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     #[serde(flatten)]
     trajectory: TrajectoryArgs,
-    /// What is held out at a time
-    #[arg(long, value_enum, default_value_t = HoldOut::Trip, value_name = "UNIT")]
-    hold_out: HoldOut,
+    #[command(flatten)]
+    #[serde(flatten)]
+    hold_out: HoldOutArgs,
     /// Also the error over the number of own trips that a model has seen
     #[arg(long)]
     learning_curve: bool,
@@ -122,29 +124,6 @@ impl FromStr for EvaluatedModel {
     }
 }
 
-/// What is held out at a time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum HoldOut {
-    /// One drive
-    Trip,
-    /// All drives of one file
-    File,
-    /// All files of one folder: keep each driver's logs in a folder of its own
-    Driver,
-}
-
-impl HoldOut {
-    fn unit_of(self, input: &Input) -> String {
-        let path = Path::new(&input.path);
-        match self {
-            Self::Trip => input.drive.name.clone(),
-            Self::File => input.path.clone(),
-            Self::Driver => path.parent().unwrap_or(path).display().to_string(),
-        }
-    }
-}
-
 /// Everything that was found out.
 struct Findings {
     /// `None` where no drive has an acceleration phase that counts.
@@ -174,13 +153,17 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
         inputs::load_embedded(&args.logs.reading, context)?
     } else {
         args.vehicle.mention(context);
-        inputs::load(&args.logs, context)?
+        inputs::load_once(&args.logs, context)?
     };
+    let mut outcome = inputs.outcome();
     let figures = match args.task {
         Task::Trajectory => args.evaluate_trajectory(&inputs, &vehicle, context)?,
-        Task::Phases => args.evaluate_phases(&inputs, &vehicle, context)?,
+        Task::Phases => {
+            let prior = args.prior.inputs(&args.logs.reading, &inputs, context)?;
+            outcome = outcome.and(prior.outcome());
+            args.evaluate_phases(&inputs, &prior, &vehicle, context)?
+        }
     };
-    let mut outcome = Outcome::Done;
     for requirement in &args.require {
         if let Some(reason) = requirement.missed(&figures)? {
             output::note(context, &format!("missed: {reason}"));
@@ -194,16 +177,16 @@ impl EvaluateArgs {
     /// Evaluates, prints, and returns the document.
     fn evaluate_phases(
         &self,
-        inputs: &[Input],
+        inputs: &Inputs,
+        prior_inputs: &Inputs,
         vehicle: &ev_energy::Vehicle,
         context: &Context,
     ) -> anyhow::Result<serde_json::Value> {
         let args = self;
+        let units = args.hold_out.units(inputs, context)?;
         let trips = args.phases.trips(inputs, context)?;
-        let prior = args
-            .prior
-            .trips(&args.logs.reading, &args.phases, context)?;
-        let findings = args.evaluate(inputs, &trips, &prior, vehicle, context)?;
+        let prior = args.phases.trips(prior_inputs, context)?;
+        let findings = args.evaluate(&units, &trips, &prior, vehicle, context)?;
         findings.missing.mention(context);
         left_out::mention(&findings.left_out, context);
         for evaluation in [&findings.acceleration, &findings.braking]
@@ -223,8 +206,9 @@ impl EvaluateArgs {
             "evaluate",
             args,
             inputs,
-            document::Body::new(args, &findings),
-        );
+            document::Body::new(args, &units, &findings),
+        )
+        .beside(prior_inputs);
         let figures = serde_json::to_value(&document)?;
         if let Some(path) = &args.report {
             let page =
@@ -268,19 +252,14 @@ impl EvaluateArgs {
 
     fn evaluate(
         &self,
-        inputs: &[Input],
+        units: &Units,
         trips: &[Trip],
         prior: &[Trip],
         vehicle: &ev_energy::Vehicle,
         context: &Context,
     ) -> anyhow::Result<Findings> {
         let settings = self.settings();
-        let units: Vec<String> = inputs.iter().map(|i| self.hold_out.unit_of(i)).collect();
-        let data = match self.hold_out {
-            HoldOut::Trip => EvaluationData::by_trip(trips),
-            HoldOut::File | HoldOut::Driver => EvaluationData::by_unit(trips, &units),
-        }
-        .with_prior(prior);
+        let data = EvaluationData::by_unit(trips, &units.of_drives).with_prior(prior);
         let progress = Progress::new(context, "evaluating", 2 * trips.len());
         let evaluate = |kind| leave_one_out(kind, &data, vehicle, &settings, &|| progress.step());
         let mut missing = Missing::default();

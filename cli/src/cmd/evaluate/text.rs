@@ -7,7 +7,7 @@ use driver_model::{
     FollowingSummary, LearningPoint, ModelKind, PairedComparison, PhaseKind, Summary, Trip,
 };
 
-use super::{EvaluateArgs, Findings, HoldOut};
+use super::{EvaluateArgs, Findings};
 use crate::render::table::{Table, number};
 use crate::words::plural;
 
@@ -42,11 +42,7 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
             _ => t.lead_influenced.acceleration,
         })
         .sum();
-    let held_out = match args.hold_out {
-        HoldOut::Trip => "trip",
-        HoldOut::File => "file",
-        HoldOut::Driver => "driver",
-    };
+    let held_out = args.hold_out.hold_out.name();
     let mut text = format!(
         "{}, {} of at least {} s and {} km/h, leave one {held_out} out",
         plural(trips.len(), "drive"),

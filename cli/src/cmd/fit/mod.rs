@@ -167,13 +167,13 @@ struct Fitted {
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
     output::check_file_place(&args.output)?;
     args.check()?;
-    let inputs = inputs::load(&args.logs, context)?;
+    let inputs = inputs::load_once(&args.logs, context)?;
     let trips = if args.model.is_of_phases() {
         args.phases.trips(&inputs, context)?
     } else {
         Vec::new()
     };
-    let prior_inputs = args.prior.inputs(&args.logs.reading, context)?;
+    let prior_inputs = args.prior.inputs(&args.logs.reading, &inputs, context)?;
     let prior = args.phases.trips(&prior_inputs, context)?;
     let fitted = match args.model {
         Model::Phase(kind) => named(args.fit_phases(kind, &trips, &prior), &trips)?,
@@ -208,11 +208,12 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
                 residual_sum_of_squares: residuals,
                 left_out_drives: &fitted.left_out,
             };
-            output::print_json(&Document::new("fit", args, &inputs, body))?;
+            let document = Document::new("fit", args, &inputs, body);
+            output::print_json(&document.beside(&prior_inputs))?;
         }
         Format::Text => output::print_text(&text::text(args, &file, residuals))?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome().and(prior_inputs.outcome()))
 }
 
 impl FitArgs {

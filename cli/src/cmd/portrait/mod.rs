@@ -12,7 +12,7 @@ use super::phases::PhaseArgs;
 use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
-use crate::inputs::{self, Input};
+use crate::inputs::{self, Input, Inputs};
 use crate::output;
 use crate::render::html;
 use crate::render::json::Document;
@@ -61,23 +61,26 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
     };
     let inputs = inputs::load(&args.logs, context)?;
     let portrait = portrait_of(&inputs)?;
-    let fleet = match args.fleet.is_empty() {
-        true => None,
+    let fleet_inputs = match args.fleet.is_empty() {
+        true => Inputs::default(),
         false => {
             let logs = LogArgs {
                 logs: args.fleet.clone(),
                 reading: args.logs.reading.clone(),
             };
-            Some(portrait_of(&inputs::load(&logs, context)?)?)
+            inputs::load(&logs, context)?
         }
     };
+    let fleet = (!fleet_inputs.is_empty())
+        .then(|| portrait_of(&fleet_inputs))
+        .transpose()?;
     let body = Body {
         default_vehicle: args.vehicle.by_default(),
         sentences: words::sentences(&portrait, fleet.as_ref(), &args.vehicle.words()),
         driver: portrait,
         fleet,
     };
-    let document = Document::new("portrait", args, &inputs, body);
+    let document = Document::new("portrait", args, &inputs, body).beside(&fleet_inputs);
     if let Some(path) = &args.report {
         let page = html::PORTRAIT.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
@@ -87,7 +90,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&document.body))?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome().and(fleet_inputs.outcome()))
 }
 
 #[derive(Serialize)]

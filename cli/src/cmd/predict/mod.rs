@@ -124,7 +124,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         }
         Format::Text => output::print_text(&text)?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 #[derive(Serialize)]

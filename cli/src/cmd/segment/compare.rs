@@ -81,7 +81,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         Format::Json => print_json(&document)?,
         Format::Text => print_text(&text)?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 fn config(args: &SegmentArgs) -> Config<'_> {

@@ -134,7 +134,7 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         }
         Format::Text => print_text(&output::text(&inputs, &logs, &segmented))?,
     }
-    Ok(Outcome::Done)
+    Ok(inputs.outcome())
 }
 
 /// Pieces of drives, as a segmentation sees them.

@@ -22,6 +22,7 @@ mod resample;
 mod roundtrip;
 mod shared_cases;
 mod times;
+mod twins;
 
 use std::collections::BTreeMap;
 use std::path::Path;

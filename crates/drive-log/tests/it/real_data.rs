@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use drive_log::{
-    Action, Channel, Drive, Finding, FindingKind, LayoutChoice, Preparation, prepare, read_file,
+    Action, Channel, Drive, DriveIndex, Finding, FindingKind, LayoutChoice, Preparation, prepare,
+    read_file,
 };
 use rayon::prelude::*;
 
@@ -162,5 +163,22 @@ fn nothing_is_wrong_with_cycles_and_diagnostics() {
     {
         assert_eq!(drive.findings, [], "{}", drive.name);
         assert_eq!(drive.pieces.len(), 1);
+    }
+}
+
+#[test]
+fn no_recorded_drive_is_taken_for_another() {
+    for (folder, layout) in [
+        ("bmw-i3", "bmw-i3"),
+        ("rsk-twizy", "rsk-twizy"),
+        ("openacc", "openacc"),
+        ("igdir-obd", "igdir"),
+    ] {
+        let drives = drives(folder, layout);
+        let mut index = DriveIndex::default();
+        for (number, drive) in drives.iter().enumerate() {
+            assert_eq!(index.kin(drive), [], "{}", drive.name);
+            index.insert(number, drive);
+        }
     }
 }

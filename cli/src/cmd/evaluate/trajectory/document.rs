@@ -11,12 +11,14 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::free_run::FreeRuns;
+use crate::cmd::evaluate::hold_out::{Units, UnitsEntry};
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     task: &'static str,
     drives: usize,
     units: &'a [String],
+    held_out: UnitsEntry,
     origins: usize,
     band_kmh: f64,
     /// By seconds ahead, then by model.
@@ -117,6 +119,7 @@ struct Trip<'a> {
 impl<'a> Body<'a> {
     pub(super) fn new(
         data: &'a TrajectoryData,
+        units: &Units,
         settings: &TrajectorySettings,
         evaluation: &'a TrajectoryEvaluation,
         free_runs: Option<&'a FreeRuns>,
@@ -146,6 +149,7 @@ impl<'a> Body<'a> {
             task: "trajectory",
             drives: data.courses.len(),
             units: &data.units,
+            held_out: units.entry(),
             origins: evaluation.rows.first().map_or(0, |row| row.origins),
             band_kmh: settings.band_mps * 3.6,
             horizons: keys.iter().enumerate().map(by_horizon).collect(),

@@ -16,11 +16,12 @@ use driver_model::{FreeRunSettings, LeftOut};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
+use super::hold_out::Units;
 use super::{EvaluateArgs, EvaluatedModel};
 use crate::cmd::courses::courses;
 use crate::cmd::left_out;
 use crate::flags::{Context, Format};
-use crate::inputs::Input;
+use crate::inputs::{Input, Inputs};
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
@@ -48,13 +49,14 @@ impl EvaluateArgs {
     /// Evaluates, prints, and returns the document.
     pub(super) fn evaluate_trajectory(
         &self,
-        inputs: &[Input],
+        inputs: &Inputs,
         vehicle: &Vehicle,
         context: &Context,
     ) -> anyhow::Result<serde_json::Value> {
         let mut settings = self.trajectory_settings()?;
+        let units = self.hold_out.units(inputs, context)?;
         let (data, left_out) = self
-            .trajectory_data(inputs, context)?
+            .trajectory_data(inputs, &units, context)?
             .usable(&settings.direct)?;
         left_out::mention(&left_out, context);
         settings.folds = folds(settings.folds, &data, &left_out, context)?;
@@ -68,13 +70,12 @@ impl EvaluateArgs {
         if !data.has_limits() {
             not_evaluated.insert("trials", without_limits(inputs));
         }
-        let units = self.units(inputs);
         let free_run_settings = FreeRunSettings {
             folds: Some(settings.folds),
             slope_bandwidth_m: self.phases.settings().slope_bandwidth_m,
             ..FreeRunSettings::default()
         };
-        let free_runs = free_run::evaluate(inputs, &units, &free_run_settings, vehicle);
+        let free_runs = free_run::evaluate(inputs, &units.of_drives, &free_run_settings, vehicle);
         if let Err(reason) = &free_runs {
             not_evaluated.insert("free_run", reason.to_string());
         }
@@ -82,7 +83,8 @@ impl EvaluateArgs {
             output::note(context, &format!("no figures of {part}: {reason}"));
         }
         let free_runs = free_runs.ok();
-        let mut body = document::Body::new(&data, &settings, &evaluation, free_runs.as_ref());
+        let mut body =
+            document::Body::new(&data, &units, &settings, &evaluation, free_runs.as_ref());
         body.default_vehicle = self.vehicle.by_default();
         body.left_out_drives = &left_out;
         body.not_evaluated = not_evaluated;
@@ -145,17 +147,11 @@ impl EvaluateArgs {
     fn trajectory_data(
         &self,
         inputs: &[Input],
+        units: &Units,
         context: &Context,
     ) -> anyhow::Result<TrajectoryData> {
         let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
-        Ok(TrajectoryData::new(courses, &self.units(inputs)))
-    }
-
-    fn units(&self, inputs: &[Input]) -> Vec<String> {
-        inputs
-            .iter()
-            .map(|input| self.hold_out.unit_of(input))
-            .collect()
+        Ok(TrajectoryData::new(courses, &units.of_drives))
     }
 }
 
