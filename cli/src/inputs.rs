@@ -183,7 +183,7 @@ const LOG_SUFFIXES: [&str; 4] = ["csv", "tsv", "txt", "parquet"];
 const COMPRESSION_SUFFIXES: [&str; 2] = ["gz", "zst"];
 
 /// Files stay in the order given; a folder's and a glob's come sorted by name.
-fn expand(arguments: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+pub(crate) fn expand(arguments: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for argument in arguments {
         if argument.is_dir() {

@@ -9,10 +9,13 @@ mod drives;
 mod exit;
 mod flags;
 mod inputs;
+mod numbers;
 mod output;
+mod places;
 mod progress;
 mod render;
 mod require;
+mod temporary;
 mod view;
 mod words;
 

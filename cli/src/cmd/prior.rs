@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::phases::PhaseArgs;
 use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::inputs::{self, Input};
+use crate::numbers;
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Other drivers")]
@@ -18,7 +19,7 @@ pub(crate) struct PriorArgs {
     #[serde(skip)]
     prior: Vec<PathBuf>,
     /// Weight of a phase of other drivers beside 1 for an own one; 0 is the own data alone, 1 treats all alike
-    #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = weight, value_name = "W")]
+    #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = numbers::weight, value_name = "W")]
     prior_weight: f64,
 }
 
@@ -55,12 +56,5 @@ impl PriorArgs {
         context: &Context,
     ) -> anyhow::Result<Vec<Trip>> {
         phases.trips(&self.inputs(reading, context)?, context)
-    }
-}
-
-fn weight(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(weight) if (0.0..=1e3).contains(&weight) => Ok(weight),
-        _ => Err("expected a weight, 0 to 1000".to_owned()),
     }
 }

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use crate::exit::Outcome;
 use crate::inputs::{Input, InputEntry};
+use crate::require::{Judged, RequireArgs};
 
 /// `schema`, `version`, `config`, `inputs`, then whatever the subcommand has to say.
 #[derive(Debug, Serialize)]
@@ -13,6 +15,9 @@ pub(crate) struct Document<'a, C, B> {
     inputs: Vec<InputEntry<'a>>,
     #[serde(flatten)]
     pub(crate) body: B,
+    /// Of `--require`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    requirements: Vec<Judged>,
 }
 
 impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
@@ -23,7 +28,15 @@ impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
             config,
             inputs: inputs.iter().map(Input::entry).collect(),
             body,
+            requirements: Vec::new(),
         }
+    }
+
+    /// Lists what became of the requirements, and how the run ends for them.
+    pub(crate) fn judged(&mut self, require: &RequireArgs) -> anyhow::Result<Outcome> {
+        let (requirements, outcome) = require.judge(&*self)?;
+        self.requirements = requirements;
+        Ok(outcome)
     }
 }
 
