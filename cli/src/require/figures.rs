@@ -169,9 +169,11 @@ pub(super) fn find(value: &Value, figure: &[String], found: &mut Vec<Option<f64>
 /// One entry by its index or name, or else all of them.
 fn find_in_list(entries: &[Value], figure: &[String], found: &mut Vec<Option<f64>>) {
     let is_called = |entry: &Value, name: &str| {
-        ["name", "vehicle", "model", "drive", "log", "scenario"]
-            .iter()
-            .any(|key| entry.get(key).and_then(Value::as_str) == Some(name))
+        [
+            "name", "vehicle", "model", "drive", "log", "scenario", "key",
+        ]
+        .iter()
+        .any(|key| entry.get(key).and_then(Value::as_str) == Some(name))
     };
     for count in 1..=figure.len() {
         let name = figure[..count].join(".");

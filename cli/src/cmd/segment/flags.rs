@@ -137,6 +137,9 @@ impl MethodArgs {
                 refill: self.refill.into(),
             },
         };
+        if self.weights.iter().all(|weight| *weight <= 0.0) {
+            bail!("--weights: one of the two has to be above 0, such as 1.8,1");
+        }
         let defaults = StatisticalRules::default();
         Ok(StatisticalRules {
             accel_deadband_mps2: self.accel_deadband,
