@@ -48,6 +48,8 @@ impl Figures {
         let of_a_name = self
             .patterns()
             .any(|pattern| self.matches(&pattern, &figure, true));
+        let named = figure.iter().find(|key| self.is_name(key));
+        let name = named.or(figure.first()).copied().unwrap_or_default();
         let candidates: Vec<String> = if of_a_name {
             let with = |(at, _): (usize, &&str)| {
                 let named = |name: &String| {
@@ -60,7 +62,7 @@ impl Figures {
             figure.iter().enumerate().flat_map(with).collect()
         } else {
             self.patterns()
-                .flat_map(|pattern| spelt(&pattern, &figure))
+                .flat_map(|pattern| spelt(&pattern, name))
                 .collect()
         };
         Some(nearest(&figure.join("."), candidates))
@@ -94,21 +96,16 @@ impl Figures {
     }
 }
 
-/// A pattern as one would type it, as long as the figure that was typed and in full.
-fn spelt(pattern: &[&str], figure: &[&str]) -> [String; 2] {
-    let name = figure.first().copied().unwrap_or("*");
-    let keys = pattern.iter().filter(|key| **key != "[]");
-    let full: Vec<&str> = keys
-        .clone()
-        .copied()
-        .map(|key| if key == "*" { name } else { key })
-        .collect();
-    let short: Vec<&str> = full
+/// A pattern as one would type it with a name, short and in full.
+fn spelt(pattern: &[&str], name: &str) -> [String; 2] {
+    let keys = pattern.iter().copied().filter(|key| *key != "[]");
+    let keys = keys.map(|key| if key == "*" { name } else { key });
+    let full: Vec<&str> = keys.collect();
+    let short = full
         .iter()
         .copied()
-        .filter(|key| !TRANSPARENT.contains(key))
-        .collect();
-    [short.join("."), full.join(".")]
+        .filter(|key| !TRANSPARENT.contains(key));
+    [short.collect::<Vec<_>>().join("."), full.join(".")]
 }
 
 fn nearest(figure: &str, candidates: Vec<String>) -> String {
