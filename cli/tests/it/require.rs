@@ -172,8 +172,11 @@ fn paths(value: &Value, keys: &mut Vec<String>, found: &mut BTreeSet<String>) {
         Value::Object(object) => {
             let last = keys.last().map(String::as_str).unwrap_or_default();
             let by_model_and_horizon = keys.ends_with(&["horizons".to_owned(), "*".to_owned()]);
-            let by_name =
+            let first = keys.first().map_or("", String::as_str);
+            let has_names_of_its_own = ["cruise", "following"].contains(&first);
+            let is_of_names =
                 NAMED.contains(&last) || BY_HORIZON.contains(&last) || by_model_and_horizon;
+            let by_name = is_of_names && !has_names_of_its_own;
             for (key, below) in object {
                 let is_no_figure = NO_FIGURES.contains(&key.as_str()) && !below.is_number();
                 if keys.is_empty() && is_no_figure {

@@ -17,9 +17,6 @@ use super::missing::Missing;
 use super::{EvaluateArgs, Findings, HoldOut};
 use crate::words::plural;
 
-/// Models of cruising and following.
-pub(super) const OTHER_MODELS: [&str; 4] = ["cruise", "hold", "idm", "constant-time-gap"];
-
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     hold_out: HoldOut,

@@ -187,7 +187,7 @@ impl EvaluateArgs {
             Task::Phases => {
                 let baselines = ModelKind::ALL.into_iter().filter(|kind| kind.is_baseline());
                 let models = self.phase_models().into_iter().chain(baselines);
-                let names = models.map(ModelKind::name).chain(document::OTHER_MODELS);
+                let names = models.map(ModelKind::name);
                 Figures::of(
                     include_str!("../../figures/evaluate.txt"),
                     names.map(str::to_owned),
