@@ -50,7 +50,12 @@ fuzz target="read_log" seconds="60":
 # Make the simulated drives that ship with the project anew.
 [group('work')]
 fixtures:
-    cargo run --release -p drivekit -- synth --noise -o fixtures/drives
+    cargo run --release -p drivekit -- synth --noise --force -o fixtures/drives
+
+# Make the lists of figures anew that `--require` knows.
+[group('work')]
+figures:
+    DRIVEKIT_FIGURES=write cargo test -p drivekit --test it the_lists_hold_every_figure
 
 # The energy of a cycle against the crate fastsim-core; compiles for minutes.
 [group('work')]

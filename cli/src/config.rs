@@ -12,6 +12,7 @@ use toml::{Table, Value};
 
 use crate::cli::Cli;
 use crate::cmd::segment::refuse_idle;
+use crate::places;
 
 /// Parses the command line, with defaults from the configuration file it names.
 pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<Cli> {
@@ -20,10 +21,11 @@ pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<
     if let Some(path) = config_path(&args) {
         command = with_defaults(command, &path)?;
     }
-    let matches = command.try_get_matches_from(args)?;
+    let matches = command.try_get_matches_from_mut(args)?;
     if let Some(matches) = matches.subcommand_matches("segment") {
         refuse_idle(matches)?;
     }
+    places::check(&command, &matches)?;
     Ok(Cli::from_arg_matches(&matches)?)
 }
 

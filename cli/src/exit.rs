@@ -49,23 +49,30 @@ pub(crate) fn without_panic<T>(
     })
 }
 
-/// Prints an error with its causes to stderr. A reader that closed our stdout is not an error.
+/// Prints an error with its causes to stderr.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if let Some(usage) = error.downcast_ref::<clap::Error>() {
         let _ = usage.print();
         return ExitCode::from(u8::try_from(usage.exit_code()).unwrap_or(2));
     }
-    let broken_pipe = error.chain().any(|cause| {
-        cause
-            .downcast_ref::<std::io::Error>()
-            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
-    });
-    if broken_pipe {
-        return ExitCode::SUCCESS;
-    }
     let _ = writeln!(
         anstream::stderr().lock(),
-        "\u{1b}[1;31merror:\u{1b}[0m {error:#}"
+        "\u{1b}[1;31merror:\u{1b}[0m {}",
+        told(error)
     );
     ExitCode::from(2)
+}
+
+/// An error with its causes, each said once: some messages tell their cause themselves.
+pub(crate) fn told(error: &anyhow::Error) -> String {
+    let causes = error.chain().map(ToString::to_string);
+    causes.fold(String::new(), |told, cause| {
+        if told.is_empty() {
+            cause
+        } else if told.contains(&cause) {
+            told
+        } else {
+            format!("{told}: {cause}")
+        }
+    })
 }

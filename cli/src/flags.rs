@@ -7,6 +7,8 @@ use clap::{Args, ValueEnum};
 use drive_log::{LayoutChoice, Preparation, Smoothing};
 use serde::Serialize;
 
+use crate::numbers;
+
 /// Flags that every subcommand takes.
 #[derive(Debug, Args)]
 pub(crate) struct Global {
@@ -22,6 +24,9 @@ pub(crate) struct Global {
     /// More notes on stderr
     #[arg(long, short, global = true)]
     verbose: bool,
+    /// Leave out how long things took and when they were: same input, same bytes
+    #[arg(long, global = true)]
+    no_times: bool,
     /// Colours
     #[arg(long, global = true, value_enum, default_value_t = Color::Auto)]
     color: Color,
@@ -63,6 +68,8 @@ pub(crate) struct Context {
     pub(crate) format: Format,
     pub(crate) quiet: bool,
     pub(crate) verbose: bool,
+    /// Without wall times, which differ from run to run
+    pub(crate) no_times: bool,
 }
 
 impl Global {
@@ -81,6 +88,7 @@ impl Global {
             format: self.format,
             quiet: self.quiet,
             verbose: self.verbose,
+            no_times: self.no_times,
         })
     }
 }
@@ -105,13 +113,13 @@ pub(crate) struct ReadingArgs {
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
     pub(crate) layout: String,
     /// Sampling interval after resampling, in s
-    #[arg(long, default_value_t = 0.1, value_name = "S")]
+    #[arg(long, default_value_t = 0.1, value_parser = numbers::step_s, value_name = "S")]
     pub(crate) step: f64,
     /// Smoothing of speed: hann:N or none
     #[arg(long, default_value = "hann:5", value_name = "FILTER")]
     pub(crate) smooth: Smoothing,
     /// A drive is split where speed is missing for longer than this, in s
-    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    #[arg(long, default_value_t = 2.0, value_parser = numbers::gap_s, value_name = "S")]
     pub(crate) max_gap: f64,
     /// Take a uniform log as it is: no resampling, no smoothing
     #[arg(long)]

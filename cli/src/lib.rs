@@ -10,10 +10,13 @@ mod exit;
 mod flags;
 mod folders;
 mod inputs;
+mod numbers;
 mod output;
+mod places;
 mod progress;
 mod render;
 mod require;
+mod temporary;
 mod view;
 mod words;
 

@@ -1,12 +1,21 @@
 //! Data to stdout, talk to stderr, files beside and renamed.
 
-use std::io::Write;
-use std::path::Path;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 
 use crate::flags::Context;
+use crate::temporary::Temporary;
+
+/// Whether someone still reads stdout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reader {
+    There,
+    Gone,
+}
 
 /// Prints one JSON document.
 pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
@@ -14,17 +23,34 @@ pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text; colours are stripped where stdout is not a terminal.
+/// Prints text; colours are stripped where stdout is not a terminal. A reader that has seen enough, such as `head`, changes
+/// nothing else of what is done and of how it ends.
 pub(crate) fn print_text(text: &str) -> anyhow::Result<()> {
+    print_to_reader(text).map(|_| ())
+}
+
+/// The same, for who prints as long as someone reads.
+pub(crate) fn print_to_reader(text: &str) -> anyhow::Result<Reader> {
     let mut stdout = anstream::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    Ok(stdout.flush()?)
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Ok(()) => Ok(Reader::There),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(Reader::Gone),
+        Err(error) => Err(error).context("cannot write to stdout"),
+    }
+}
+
+/// A remark on stderr, also with `--quiet`.
+pub(crate) fn announce(text: &str) {
+    let _ = writeln!(anstream::stderr().lock(), "\u{1b}[1mnote:\u{1b}[0m {text}");
 }
 
 /// A remark on stderr.
 pub(crate) fn note(context: &Context, text: &str) {
     if !context.quiet {
-        let _ = writeln!(anstream::stderr().lock(), "\u{1b}[1mnote:\u{1b}[0m {text}");
+        announce(text);
     }
 }
 
@@ -43,7 +69,8 @@ pub(crate) fn check_file_place(path: &Path) -> anyhow::Result<()> {
             path.display()
         );
     }
-    match folder_of(path) {
+    let target = resolved(path)?;
+    match folder_of(&target) {
         folder if folder.is_dir() => Ok(()),
         folder => bail!(
             "cannot write `{}`: no folder `{}`",
@@ -53,46 +80,81 @@ pub(crate) fn check_file_place(path: &Path) -> anyhow::Result<()> {
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     }
 }
 
-/// Writes a file beside its place and renames it, so that a failure leaves what was there.
+/// Links in a row that are followed.
+const MOST_LINKS: usize = 40;
+
+/// The end of a chain of links, whether or not there is a file.
+pub(crate) fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
+    let mut end = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&end) {
+            Ok(target) => end = folder_of(&end).join(target),
+            Err(_) => return Ok(end),
+        }
+    }
+    bail!(
+        "cannot write `{}`: its links lead to no file",
+        path.display()
+    )
+}
+
+/// Whether a path is written to as it stands: a device, a pipe, or what the shell has opened already.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    let is_opened = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"]
+        .iter()
+        .any(|opened| path.starts_with(opened));
+    is_opened || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+/// Writes a file beside its place and renames it, so that a failure leaves what was there. A link stays and its target is
+/// replaced, permissions are kept, and a device or a pipe is written to.
 pub(crate) fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    check_file_place(path)?;
     let failed = || format!("cannot write `{}`", path.display());
-    let mut file = readable_like_any_file(tempfile::Builder::new().prefix(".drivekit-"))
-        .tempfile_in(folder_of(path))
-        .with_context(failed)?;
-    {
-        let mut buffered = std::io::BufWriter::new(file.as_file_mut());
-        write(&mut buffered).with_context(failed)?;
-        buffered.flush().with_context(failed)?;
+    if is_stream(path) {
+        return write_stream(path, write).with_context(failed);
     }
-    file.persist(path)
-        .map_err(|e| e.error)
-        .with_context(failed)?;
-    Ok(())
+    check_file_place(path)?;
+    let target = resolved(path)?;
+    let mut file = Temporary::beside(&target).with_context(failed)?;
+    buffered(file.as_file_mut(), write).with_context(failed)?;
+    file.replace(&target).with_context(failed)
 }
 
-/// Temporary files are readable by their owner alone; results follow the umask.
-#[cfg(unix)]
-fn readable_like_any_file<'a, 'p, 's>(
-    builder: &'a mut tempfile::Builder<'p, 's>,
-) -> &'a mut tempfile::Builder<'p, 's> {
-    use std::os::unix::fs::PermissionsExt as _;
-    builder.permissions(std::fs::Permissions::from_mode(0o666))
+/// A reader that has seen enough is no error.
+fn write_stream(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut stream = fs::OpenOptions::new().append(true).open(path)?;
+    match buffered(&mut stream, write) {
+        Err(error) if is_broken_pipe(&error) => Ok(()),
+        written => written,
+    }
 }
 
-#[cfg(not(unix))]
-fn readable_like_any_file<'a, 'p, 's>(
-    builder: &'a mut tempfile::Builder<'p, 's>,
-) -> &'a mut tempfile::Builder<'p, 's> {
-    builder
+fn buffered(
+    file: &mut fs::File,
+    write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut buffered = std::io::BufWriter::new(file);
+    write(&mut buffered)?;
+    Ok(buffered.flush()?)
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
+    })
 }

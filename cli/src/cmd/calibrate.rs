@@ -12,11 +12,13 @@ use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs;
+use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 
 /// Fit a vehicle to measured battery power, and say how far to trust it
@@ -38,7 +40,7 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "NAME|FILE")]
     vehicle: String,
     /// Slopes are smoothed over this distance to either side, in m
-    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     slope_bandwidth: f64,
     /// Vehicle file to write
     #[arg(long, short, value_name = "FILE.toml")]
@@ -48,14 +50,15 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../figures/calibrate.txt")))?;
     let start = vehicle(&args.vehicle)?;
-    output::check_file_place(&args.output)?;
-    if let Some(path) = &args.report {
-        output::check_file_place(path)?;
-    }
     let inputs = inputs::load_once(&args.logs, context)?;
     let drives: Vec<&Drive> = inputs.iter().map(|input| &input.drive).collect();
     let progress = Progress::new(context, "fitting", drives.len() + 1);
@@ -72,7 +75,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         context,
         &format!("vehicle written to {}", args.output.display()),
     );
-    let document = Document::new(
+    let mut document = Document::new(
         "calibrate",
         args,
         &inputs,
@@ -81,6 +84,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
             report: &report,
         },
     );
+    let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = html::CALIBRATION.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
@@ -90,7 +94,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&report))?,
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 #[derive(Serialize)]

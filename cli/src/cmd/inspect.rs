@@ -11,6 +11,7 @@ use crate::inputs::{self, Input};
 use crate::output;
 use crate::render::json::{Document, Logs};
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 
 /// What is in a log, and what is wrong with it
@@ -26,21 +27,26 @@ pub(crate) struct InspectArgs {
     #[command(flatten)]
     #[serde(flatten)]
     logs: LogArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &InspectArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../figures/inspect.txt")))?;
     let inputs = inputs::load_quietly(&args.logs, context)?;
+    let logs = inputs.iter().map(|i| Entry::new(&i.drive)).collect();
+    let mut document = Document::new("inspect", args, &inputs, Logs { logs });
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => {
-            let logs = inputs.iter().map(|i| Entry::new(&i.drive)).collect();
-            output::print_json(&Document::new("inspect", args, &inputs, Logs { logs }))?;
-        }
+        Format::Json => output::print_json(&document)?,
         Format::Text => {
             let texts: Vec<String> = inputs.iter().map(text).collect();
             output::print_text(&texts.join("\n"))?;
         }
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 #[derive(Serialize)]

@@ -46,9 +46,6 @@ pub(crate) struct ShowArgs {
 
 pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<Outcome> {
     let ModelCommand::Show(args) = command;
-    if let Some(path) = &args.plot {
-        output::check_file_place(path)?;
-    }
     let file = read(&args.file)?;
     let examples: Vec<Example> = match &file.model {
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => outlines(&file.model)

@@ -8,22 +8,23 @@ use serde::Serialize;
 
 use crate::flags::Context;
 use crate::inputs::Input;
+use crate::numbers;
 use crate::progress::Progress;
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Phases")]
 pub(crate) struct PhaseArgs {
     /// Shortest acceleration or braking phase that counts, in s
-    #[arg(long, default_value_t = 3.0, value_name = "S")]
+    #[arg(long, default_value_t = 3.0, value_parser = numbers::least_duration_s, value_name = "S")]
     pub(crate) min_duration: f64,
     /// Least change of speed of a phase that counts, in km/h
-    #[arg(long, default_value_t = 10.0, value_name = "KM/H")]
+    #[arg(long, default_value_t = 10.0, value_parser = numbers::gain_kmh, value_name = "KM/H")]
     pub(crate) min_gain: f64,
     /// Acceleration under this magnitude counts as 0 in the segmentation, in m/s²
-    #[arg(long, default_value_t = 0.4, value_name = "M/S2")]
+    #[arg(long, default_value_t = 0.4, value_parser = numbers::deadband_mps2, value_name = "M/S2")]
     accel_deadband: f64,
     /// Elevation is smoothed over this distance to either side for the slope, in m
-    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     slope_bandwidth: f64,
 }
 
@@ -63,12 +64,4 @@ pub(crate) fn vehicle(name: &str) -> anyhow::Result<ev_energy::Vehicle> {
         ev_energy::Vehicle::builtin(name)
     };
     Ok(vehicle?)
-}
-
-/// The width of a band, which a prediction is in or not.
-pub(crate) fn width_kmh(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(width) if (0.0..=1e3).contains(&width) => Ok(width),
-        _ => Err("expected a width in km/h, 0 to 1000".to_owned()),
-    }
 }

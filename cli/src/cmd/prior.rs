@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::inputs::{self, Input, Inputs};
+use crate::numbers;
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Other drivers")]
@@ -17,7 +18,7 @@ pub(crate) struct PriorArgs {
     #[serde(skip)]
     prior: Vec<PathBuf>,
     /// Weight of a phase of other drivers beside 1 for an own one; 0 is the own data alone, 1 treats all alike
-    #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = weight, value_name = "W")]
+    #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = numbers::weight, value_name = "W")]
     prior_weight: f64,
 }
 
@@ -45,12 +46,5 @@ impl PriorArgs {
             reading: reading.clone(),
         };
         inputs::load_others(&logs, own, context)
-    }
-}
-
-fn weight(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(weight) if (0.0..=1e3).contains(&weight) => Ok(weight),
-        _ => Err("expected a weight, 0 to 1000".to_owned()),
     }
 }

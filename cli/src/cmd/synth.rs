@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
 use driver_model::{FittedModel, ModelFile, ModelKind, TrainingRecord};
@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
@@ -29,23 +30,27 @@ pub(crate) struct SynthArgs {
     #[arg(short, long, value_name = "DIR")]
     #[serde(skip)]
     output: PathBuf,
+    /// Write into a folder that has drives already; those of the same names are replaced, others stay
+    #[arg(long)]
+    #[serde(skip)]
+    force: bool,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Number of drives
-    #[arg(long, default_value_t = SynthSettings::default().drives, value_name = "N")]
+    #[arg(long, default_value_t = SynthSettings::default().drives, value_parser = numbers::drives, value_name = "N")]
     drives: usize,
     /// Duration of each drive, in s
-    #[arg(long, default_value_t = SynthSettings::default().duration_s, value_name = "S")]
+    #[arg(long, default_value_t = SynthSettings::default().duration_s, value_parser = numbers::drive_duration_s, value_name = "S")]
     duration: f64,
     /// Sampling interval, in s
-    #[arg(long, default_value_t = SynthSettings::default().step_s, value_name = "S")]
+    #[arg(long, default_value_t = SynthSettings::default().step_s, value_parser = numbers::drive_step_s, value_name = "S")]
     step: f64,
     /// Model by which the driver accelerates
     #[arg(long, default_value_t = ModelKind::Profile, value_name = "KIND")]
     driver: ModelKind,
     /// How much phases differ: 0 not at all, 1 as with real drivers
-    #[arg(long, default_value_t = 1.0, value_name = "SHARE")]
+    #[arg(long, default_value_t = 1.0, value_parser = numbers::variation, value_name = "SHARE")]
     variation: f64,
     /// Noise of the sensors, and their resolution
     #[arg(long)]
@@ -71,8 +76,15 @@ enum FileFormat {
 pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome> {
     let vehicle = vehicle(&args.vehicle)?;
     let settings = args.settings()?;
-    let drives = simulate(&settings, &vehicle)?;
     let folder = &args.output;
+    let there = logs_in(folder)?;
+    if let (Some(one), false) = (there.first(), args.force) {
+        bail!(
+            "`{}` has drives already, such as `{one}`; name another folder, or write into it with --force",
+            folder.display()
+        );
+    }
+    let drives = simulate(&settings, &vehicle)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     for drive in &drives {
@@ -86,6 +98,7 @@ pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome
     output::write_file(&folder.join("true-model.json"), |out| {
         Ok(out.write_all(model.as_bytes())?)
     })?;
+    mention_older(&there, &drives, args.file_format, context);
     match context.format {
         Format::Json => {
             let drives = drives.iter().map(Entry::new).collect();
@@ -136,12 +149,58 @@ fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<Stri
     Ok(file.to_json()?)
 }
 
-fn write_drive(folder: &Path, drive: &SimulatedDrive, format: FileFormat) -> anyhow::Result<()> {
+/// Names of the logs in a folder, sorted; none where there is no folder yet.
+fn logs_in(folder: &Path) -> anyhow::Result<Vec<String>> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let failed = || format!("cannot list the folder `{}`", folder.display());
+    let mut logs = Vec::new();
+    for entry in folder.read_dir().with_context(failed)? {
+        let path = entry.with_context(failed)?.path();
+        let suffix = path.extension().and_then(|suffix| suffix.to_str());
+        if let (Some(name), Some("csv" | "tsv" | "parquet" | "gz" | "zst")) =
+            (path.file_name(), suffix)
+        {
+            logs.push(name.to_string_lossy().into_owned());
+        }
+    }
+    logs.sort();
+    Ok(logs)
+}
+
+/// With `--force`, drives that `truth.json` does not know of may stay.
+fn mention_older(
+    there: &[String],
+    drives: &[SimulatedDrive],
+    format: FileFormat,
+    context: &Context,
+) {
+    let is_new = |name: &String| drives.iter().any(|drive| *name == file_name(drive, format));
+    let older: Vec<&str> = there
+        .iter()
+        .filter(|name| !is_new(name))
+        .map(String::as_str)
+        .collect();
+    if !older.is_empty() {
+        let text = format!(
+            "beside the new drives, older ones stay that truth.json does not know: {}",
+            older.join(", ")
+        );
+        output::note(context, &text);
+    }
+}
+
+fn file_name(drive: &SimulatedDrive, format: FileFormat) -> String {
     let suffix = match format {
         FileFormat::Csv => "csv",
         FileFormat::Parquet => "parquet",
     };
-    let path = folder.join(format!("{}.{suffix}", drive.log.name()));
+    format!("{}.{suffix}", drive.log.name())
+}
+
+fn write_drive(folder: &Path, drive: &SimulatedDrive, format: FileFormat) -> anyhow::Result<()> {
+    let path = folder.join(file_name(drive, format));
     output::write_file(&path, |out| {
         match format {
             FileFormat::Csv => drive_log::write_csv(&drive.log, out)?,

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use clap::{Args, Subcommand};
 use ev_energy::{ConsumptionUse, OperatingPoint, Vehicle, VehicleCheck, library};
 use serde::Serialize;
@@ -8,9 +8,11 @@ use serde::Serialize;
 use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// Built-in vehicles, vehicle files and single operating points
 #[derive(Debug, Subcommand)]
@@ -46,6 +48,9 @@ pub(crate) struct CheckArgs {
     /// Built-in names or TOML files; all built-in vehicles if left out
     #[arg(value_name = "NAME|FILE")]
     vehicles: Vec<String>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 #[derive(Debug, Args, Serialize)]
@@ -58,6 +63,8 @@ pub(crate) struct PointArgs {
         long,
         required_unless_present = "points",
         conflicts_with = "points",
+        allow_negative_numbers = true,
+        value_parser = numbers::speed_mps,
         value_name = "M/S"
     )]
     speed: Option<f64>,
@@ -66,6 +73,7 @@ pub(crate) struct PointArgs {
         long,
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = numbers::accel_mps2,
         value_name = "M/S2"
     )]
     accel: f64,
@@ -74,20 +82,24 @@ pub(crate) struct PointArgs {
         long,
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = numbers::grade,
         value_name = "TAN"
     )]
     grade: f64,
     /// CSV with the columns speed_mps,accel_mps2,grade
     #[arg(long, value_name = "FILE.csv")]
     points: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(command: &VehicleCommand, context: &Context) -> anyhow::Result<Outcome> {
     match command {
         VehicleCommand::List => list(context)?,
         VehicleCommand::Show(args) => show(args, context)?,
-        VehicleCommand::Check(args) => check(args, context)?,
-        VehicleCommand::Point(args) => point(args, context)?,
+        VehicleCommand::Check(args) => return check(args, context),
+        VehicleCommand::Point(args) => return point(args, context),
     }
     Ok(Outcome::Done)
 }
@@ -142,13 +154,9 @@ fn show(args: &ShowArgs, context: &Context) -> anyhow::Result<()> {
     }
 }
 
-fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<()> {
-    #[derive(Serialize)]
-    struct Checked {
-        name: String,
-        #[serde(flatten)]
-        check: VehicleCheck,
-    }
+fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../figures/vehicle-check.txt")))?;
     #[derive(Serialize)]
     struct Body {
         vehicles: Vec<Checked>,
@@ -168,9 +176,23 @@ fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<()> {
             })
         })
         .collect::<anyhow::Result<Vec<_>>>()?;
-    if context.format == Format::Json {
-        return output::print_json(&Document::new("vehicle", args, &[], Body { vehicles }));
+    let mut document = Document::new("vehicle", args, &[], Body { vehicles });
+    let outcome = document.judged(&args.require)?;
+    match context.format {
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&check_text(&document.body.vehicles))?,
     }
+    Ok(outcome)
+}
+
+#[derive(Serialize)]
+struct Checked {
+    name: String,
+    #[serde(flatten)]
+    check: VehicleCheck,
+}
+
+fn check_text(vehicles: &[Checked]) -> String {
     let mut consumption = Table::new([
         "vehicle",
         "cycle",
@@ -189,7 +211,7 @@ fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<()> {
         "confidence of its values",
         "without source",
     ]);
-    for Checked { name, check } in &vehicles {
+    for Checked { name, check } in vehicles {
         for figure in &check.consumption {
             consumption.row([
                 name.clone(),
@@ -216,10 +238,12 @@ fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<()> {
             check.without_source.join(", "),
         ]);
     }
-    output::print_text(&format!("{}\n{}", figures.render(), consumption.render()))
+    format!("{}\n{}", figures.render(), consumption.render())
 }
 
-fn point(args: &PointArgs, context: &Context) -> anyhow::Result<()> {
+fn point(args: &PointArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../figures/vehicle-point.txt")))?;
     let vehicle = vehicle(&args.vehicle)?;
     let requests = match (&args.points, args.speed) {
         (Some(path), _) => read_points(path)?,
@@ -230,20 +254,24 @@ fn point(args: &PointArgs, context: &Context) -> anyhow::Result<()> {
         .iter()
         .map(|&[speed, accel, grade]| vehicle.operating_point(speed, accel, grade.atan()))
         .collect();
+    let body = match (&args.points, &points[..]) {
+        (None, [point]) => PointBody::One(point),
+        _ => PointBody::Many { points: &points },
+    };
+    let mut document = Document::new("vehicle", args, &[], body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Text => output::print_text(&point_table(&requests, &points)),
-        Format::Json => match (&args.points, &points[..]) {
-            (None, [point]) => output::print_json(&Document::new("vehicle", args, &[], point)),
-            _ => {
-                #[derive(Serialize)]
-                struct Body<'a> {
-                    points: &'a [OperatingPoint],
-                }
-                let body = Body { points: &points };
-                output::print_json(&Document::new("vehicle", args, &[], body))
-            }
-        },
+        Format::Text => output::print_text(&point_table(&requests, &points))?,
+        Format::Json => output::print_json(&document)?,
     }
+    Ok(outcome)
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PointBody<'a> {
+    One(&'a OperatingPoint),
+    Many { points: &'a [OperatingPoint] },
 }
 
 /// Lines of `speed_mps,accel_mps2,grade` under that header.
@@ -260,14 +288,19 @@ fn read_points(path: &std::path::Path) -> anyhow::Result<Vec<[f64; 3]>> {
     lines
         .filter(|(_, line)| !line.trim().is_empty())
         .map(|(index, line)| {
-            let values: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
-            match values.as_deref() {
-                Ok(&[speed, accel, grade]) => Ok([speed, accel, grade]),
-                _ => bail!(
-                    "`{file}`, line {}: expected three numbers, found `{line}`",
-                    index + 1
-                ),
-            }
+            let place = || format!("`{file}`, line {}", index + 1);
+            let values: Vec<&str> = line.split(',').collect();
+            let [speed, accel, grade] = values[..] else {
+                bail!("{}: expected three numbers, found `{line}`", place());
+            };
+            let value = |parsed: Result<f64, String>| {
+                parsed.map_err(|expected| anyhow!("{}: {expected}, found `{line}`", place()))
+            };
+            Ok([
+                value(numbers::speed_mps(speed))?,
+                value(numbers::accel_mps2(accel))?,
+                value(numbers::grade(grade))?,
+            ])
         })
         .collect()
 }

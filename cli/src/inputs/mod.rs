@@ -44,6 +44,12 @@ pub(crate) struct InputEntry<'a> {
     findings: &'a [Finding],
 }
 
+/// The files that arguments of logs stand for.
+pub(crate) fn files(arguments: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let files = expand(arguments)?.files.into_iter();
+    Ok(files.map(|named| named.path).collect())
+}
+
 impl Input {
     pub(crate) fn entry(&self) -> InputEntry<'_> {
         InputEntry {

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use crate::exit::Outcome;
 use crate::inputs::{Beside, Input, InputEntry, Inputs};
+use crate::require::{Judged, RequireArgs};
 
 /// `schema`, `version`, `config`, `inputs`, then whatever the subcommand has to say.
 #[derive(Debug, Serialize)]
@@ -14,6 +16,9 @@ pub(crate) struct Document<'a, C, B> {
     listing: Listing<'a>,
     #[serde(flatten)]
     pub(crate) body: B,
+    /// Of `--require`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    requirements: Vec<Judged>,
 }
 
 impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
@@ -29,6 +34,7 @@ impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
             config,
             listing: inputs.into(),
             body,
+            requirements: Vec::new(),
         }
     }
 
@@ -36,6 +42,13 @@ impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
     pub(crate) fn beside(mut self, others: &Inputs) -> Self {
         self.listing.files = self.listing.files.map(|files| files.with(others.beside()));
         self
+    }
+
+    /// Lists what became of the requirements, and how the run ends for them.
+    pub(crate) fn judged(&mut self, require: &RequireArgs) -> anyhow::Result<Outcome> {
+        let (requirements, outcome) = require.judge(&*self)?;
+        self.requirements = requirements;
+        Ok(outcome)
     }
 }
 

@@ -197,8 +197,16 @@ fn usage_errors() {
     drivekit(&["segment"]).refused(&["no logs given"]);
     drivekit(&["evaluate", "--band=-3"]).refused(&["--band", "width in km/h"]);
     drivekit(&["predict", "--band=nan"]).refused(&["--band", "width in km/h"]);
-    drivekit(&["evaluate", "--require", "profile>=3"]).refused(&["MODEL.FIGURE>=NUMBER"]);
+    drivekit(&["evaluate", "--require", "profile>=3"])
+        .refused(&["no figure `profile`", "`profile."]);
     drivekit(&["segment", &fixture("drives/drive-01.csv"), "--weights", "1"])
         .refused(&["--weights"]);
+    drivekit(&[
+        "segment",
+        &fixture("drives/drive-01.csv"),
+        "--weights",
+        "0,0",
+    ])
+    .refused(&["--weights", "above 0"]);
     drivekit(&["inspect", &fixture("drives/drive-01.csv"), "--step=-1"]).refused(&["step"]);
 }

@@ -262,7 +262,7 @@ fn run_logs_are_replayed_bit_for_bit() {
     assert_eq!(out.code, 2);
     assert!(
         out.stderr
-            .contains("name the run log .csv, .parquet or .mcap"),
+            .contains("end its name in .parquet or .csv or .mcap"),
         "{}",
         out.stderr
     );

@@ -113,19 +113,165 @@ fn a_gap_starts_anew_and_segments_count_on() {
     assert_eq!(spans, [(Some(0), Some(50)), (Some(50), Some(100))]);
 }
 
+/// A drive with some of its rows spoilt, by the row without its time.
+fn spoilt(spoil: impl Fn(usize, f64, &str) -> String) -> String {
+    let text = fs::read_to_string(fixture("drives/drive-01.csv")).unwrap();
+    let rows = text.lines().skip(1).enumerate().map(|(k, row)| {
+        let mut cells = row.split(',');
+        let time_s = cells.next().unwrap().parse().unwrap();
+        spoil(k, time_s, cells.next().unwrap()) + "\n"
+    });
+    "time_s,speed_mps\n".to_owned() + &rows.collect::<String>()
+}
+
+/// Boundaries of the whole log, whose pieces count on.
+fn boundaries_of_the_whole(text: &str) -> Vec<(u64, u64)> {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("drive.csv");
+    fs::write(&path, text).unwrap();
+    let args = [
+        "segment",
+        path.to_str().unwrap(),
+        "--scale",
+        "18,1.6",
+        "--format",
+        "json",
+    ];
+    let document = drivekit(&args).ok().json();
+    let mut before = 0;
+    let mut found = Vec::new();
+    for log in document["logs"].as_array().unwrap() {
+        let segments = log["segments"].as_array().unwrap();
+        let at = |segment: &Value, key| before + segment[key].as_u64().unwrap();
+        found.extend(segments.iter().map(|s| (at(s, "start"), at(s, "end"))));
+        before = found.last().unwrap().1;
+    }
+    found
+}
+
+fn boundaries_followed(text: &str) -> (Vec<(u64, u64)>, String) {
+    let run = follow(text, &["--format", "json"]).ok();
+    let segments = lines(&run.stdout);
+    let spans = segments
+        .iter()
+        .map(|s| (s["start"].as_u64().unwrap(), s["end"].as_u64().unwrap()));
+    (spans.collect(), run.stderr)
+}
+
 #[test]
-fn a_bad_row_ends_it_with_the_number_of_its_line() {
-    for (row, word) in [
-        ("0.2,fast\n", "fast"),
-        ("0.2,\n", "speed"),
-        ("0.15,10\n", "0.1 s"),
-        ("0.2\n", "field"),
-    ] {
-        let run = follow(&format!("time_s,speed_mps\n0,10\n0.1,10\n{row}"), &[]);
-        assert_eq!(run.code, 2);
-        assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
-        for word in [word, "line 4"] {
-            assert!(run.stderr.contains(word), "no `{word}` in: {}", run.stderr);
+fn it_goes_on_after_rows_that_cannot_be_used() {
+    let plain = |time_s: f64, speed: &str| format!("{time_s},{speed}");
+    let missing = |k| (300..311).contains(&k) || (600..651).contains(&k) || k == 900;
+    for (instead, words) in [("", "no value"), ("--", "--"), ("nan", "no value")] {
+        let text = spoilt(|k, t, v| plain(t, if missing(k) { instead } else { v }));
+        let (followed, notes) = boundaries_followed(&text);
+        let emptied = spoilt(|k, t, v| plain(t, if missing(k) { "" } else { v }));
+        assert_eq!(followed, boundaries_of_the_whole(&emptied), "{instead:?}");
+        for words in [
+            words,
+            "line 302",
+            "11 rows",
+            "line 602",
+            "new piece",
+            "line 902",
+            "1 row",
+        ] {
+            assert!(notes.contains(words), "no `{words}` in {notes}");
+        }
+    }
+    // Rows that are lost, cut off or late.
+    for spoil in [|k: usize| k % 97 == 5, |k: usize| k % 301 == 7] {
+        let lost = spoilt(|k, t, v| if spoil(k) { String::new() } else { plain(t, v) });
+        let expected = boundaries_of_the_whole(&lost);
+        assert_eq!(boundaries_followed(&lost).0, expected);
+        let cut = spoilt(|k, t, v| if spoil(k) { t.to_string() } else { plain(t, v) });
+        assert_eq!(boundaries_followed(&cut).0, expected);
+        let late = spoilt(|k, t, v| plain(if spoil(k) { t - 0.35 } else { t }, v));
+        assert_eq!(boundaries_followed(&late).0, expected);
+    }
+}
+
+#[test]
+fn a_clock_that_is_set_back_starts_anew() {
+    let text = spoilt(|k, t, v| format!("{},{v}", if k < 600 { t } else { t - 60.0 }));
+    let (followed, notes) = boundaries_followed(&text);
+    let samples = fs::read_to_string(fixture("drives/drive-01.csv"))
+        .unwrap()
+        .lines()
+        .count() as u64
+        - 1;
+    assert!(followed.iter().any(|span| span.1 == 600) && followed.last().unwrap().1 == samples);
+    assert!(followed.windows(2).all(|pair| pair[0].1 == pair[1].0));
+    assert!(
+        notes.contains("set back") && notes.contains("line 602"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn what_has_come_is_printed_whatever_ends_the_stream() {
+    let text = fs::read_to_string(fixture("drives/drive-01.csv")).unwrap();
+    let whole = lines(&follow(&text, &["--format", "json"]).ok().stdout);
+    let endless = text.clone() + &"x".repeat(2 << 20);
+    let broken = follow(&endless, &["--format", "json"]);
+    assert_eq!(broken.code, 2);
+    assert_eq!(lines(&broken.stdout), whole);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_has_come_is_printed_before_a_signal_ends_it() {
+    let text = fs::read_to_string(fixture("drives/drive-01.csv")).unwrap();
+    let whole = lines(&follow(&text, &["--format", "json"]).ok().stdout);
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        let mut child = following(&["--format", "json"]);
+        let mut stdin = child.stdin.take().unwrap();
+        stdin.write_all(text.as_bytes()).unwrap();
+        stdin.flush().unwrap();
+        let mut stdout = BufReader::new(child.stdout.take().unwrap());
+        let mut printed = String::new();
+        // The last segments stay open as long as the stream is.
+        while lines(&printed).len() < whole.len() / 2 {
+            assert!(stdout.read_line(&mut printed).unwrap() > 0);
+        }
+        std::thread::sleep(Duration::from_millis(300));
+        let pid = child.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args([signal, &pid])
+                .status()
+                .unwrap()
+                .success()
+        );
+        std::io::Read::read_to_string(&mut stdout, &mut printed).unwrap();
+        assert!(child.wait().unwrap().success());
+        assert_eq!(lines(&printed), whole, "{signal}");
+        drop(stdin);
+    }
+}
+
+#[test]
+fn the_shared_streams_go_on() {
+    let Some(folder) = crate::program::shared("cases/cars/41-follow") else {
+        return;
+    };
+    for name in ["clean.csv", "nan.csv", "word.csv", "gap.csv", "back.csv"] {
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        let (followed, _) = boundaries_followed(&text);
+        assert_eq!(followed[0].0, 0, "{name}");
+        assert!(
+            followed.windows(2).all(|pair| pair[0].1 == pair[1].0),
+            "{name}"
+        );
+        let rows = text.lines().count() as u64 - 1;
+        let missing = if name == "nan.csv" { 51 } else { 0 };
+        assert_eq!(followed.last().unwrap().1, rows - missing, "{name}");
+        if name != "back.csv" {
+            assert_eq!(
+                followed,
+                boundaries_of_the_whole(&text.replace("--", "")),
+                "{name}"
+            );
         }
     }
 }

@@ -186,7 +186,7 @@ fn what_does_not_fit_together_is_refused() {
         ),
         (
             vec!["evaluate", "--task", "trajectory", "--folds", "1"],
-            "drives",
+            "folds",
         ),
     ] {
         let run = drivekit(&arguments);

@@ -166,37 +166,6 @@ pub enum Error {
         /// The first such number.
         text: String,
     },
-    /// A row of a stream without time or speed.
-    #[error(
-        "{}, line {line}, column {header:?}: no value; a stream needs time and speed in every row",
-        path.display()
-    )]
-    NoValue {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// Header of the column.
-        header: String,
-    },
-    /// A row of a stream that is not one step after the row before.
-    #[error(
-        "{}, line {line}: {time_s} s comes {found_s:.3} s after the row before, not {step_s} s; \
-         name the stream's own --step, or segment the whole log without --follow, which resamples it",
-        path.display()
-    )]
-    IrregularStep {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// Time of the row, s.
-        time_s: f64,
-        /// Its distance from the row before, s.
-        found_s: f64,
-        /// The step expected, s.
-        step_s: f64,
-    },
     /// A line that does not end.
     #[error("{}, line {line}: longer than {limit_bytes} bytes; a log has columns for channels and a row per sample", path.display())]
     LongLine {

@@ -1,5 +1,7 @@
 //! Rows of a log that is still being written.
 
+mod regular;
+
 use std::io::{BufRead, Read as _};
 use std::path::{Path, PathBuf};
 
@@ -7,16 +9,18 @@ use crate::body::checked_fields;
 use crate::cells::cell;
 use crate::layout::{ChannelColumn, Plan, TimeColumns};
 use crate::log::positive;
+use crate::quality::plausible;
 use crate::text::{decoded, fields};
 use crate::{Channel, Error, canonical};
+use regular::{Arrival, Regular, Sample};
 
 /// Longest line that is read, in bytes.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// A step may differ by this share of the nominal one: loggers stamp with some jitter.
+/// Steps within this share of the nominal one are not worth a remark: loggers stamp with some jitter.
 const STEP_TOLERANCE: f64 = 0.1;
 
-/// One sample as it came.
+/// One sample, a step after the one before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Time on the recording's own clock, s.
@@ -25,15 +29,17 @@ pub struct Row {
     pub speed_mps: f64,
     /// Distance to a vehicle ahead, m; NaN where there is none.
     pub lead_gap_m: f64,
-    /// The first sample of the stream, or the first after a gap.
+    /// The first sample of a piece: of the stream, after a gap, or after the clock was set back.
     pub starts_piece: bool,
 }
 
 /// Reads canonical CSV row by row as it comes, in constant memory: a header with `time_s`,
 /// `speed_kmh` and so on, and `,`, `;` or tab as delimiter.
 ///
-/// Samples must be a step apart, within a tenth of it. A longer gap than allowed starts a new piece;
-/// any other step is an error, as is a row without time or speed. Nothing is repaired or resampled.
+/// Samples are put on a grid of the step, with straight lines between rows, as
+/// [`prepare`](crate::prepare) does. Rows without time or speed are left out. Where rows are further
+/// apart than the longest gap, or the clock is set back, a new piece starts. Each of these is said in
+/// a remark.
 #[derive(Debug)]
 pub struct RowReader<R> {
     lines: Lines<R>,
@@ -43,9 +49,10 @@ pub struct RowReader<R> {
     time: ChannelColumn,
     speed: ChannelColumn,
     lead_gap: Option<ChannelColumn>,
-    step_s: f64,
-    max_gap_s: f64,
-    last_s: Option<f64>,
+    regular: Regular,
+    /// Rows since the last usable one.
+    left_out: usize,
+    told_of_steps: bool,
 }
 
 impl<R: BufRead> RowReader<R> {
@@ -85,72 +92,161 @@ impl<R: BufRead> RowReader<R> {
             time: ChannelColumn::new(Channel::Speed, time, unit),
             speed,
             lead_gap: column(Channel::LeadGap),
-            step_s,
-            max_gap_s,
-            last_s: None,
+            regular: Regular::new(step_s, max_gap_s),
+            left_out: 0,
+            told_of_steps: false,
         })
     }
 
-    /// The next row, as soon as its line has ended; `None` at the end of the input.
+    /// The next sample, as soon as it is certain; `None` at the end of the input. What was left out or
+    /// changed goes to `remark`, with the number of the line.
     ///
     /// # Errors
-    /// An [`Error`] that names the line of a row that cannot be read or does not follow in time.
-    pub fn next_row(&mut self) -> Result<Option<Row>, Error> {
-        let Some(text) = self.lines.next()? else {
-            return Ok(None);
-        };
+    /// [`Error::Read`] and [`Error::LongLine`]; [`Error::NoData`] at the end of rows of which none has
+    /// time and speed.
+    pub fn next_row(&mut self, remark: &mut dyn FnMut(String)) -> Result<Option<Row>, Error> {
+        loop {
+            if let Some(row) = self.regular.next() {
+                return Ok(Some(row));
+            }
+            let Some(text) = self.lines.next()? else {
+                return self.ended(remark).map(|()| None);
+            };
+            match self.sample(&text, remark) {
+                Ok(sample) => self.take(sample, remark),
+                Err(what) => self.leave_out(&what, remark),
+            }
+        }
+    }
+
+    /// Time, speed and gap of a row, or what is wrong with it.
+    fn sample(&mut self, text: &str, remark: &mut dyn FnMut(String)) -> Result<Sample, String> {
         let (path, line) = (&self.lines.path, self.lines.line);
-        let row = checked_fields(path, self.delimiter, self.headers.len(), line, &text)?;
+        let row = checked_fields(path, self.delimiter, self.headers.len(), line, text)
+            .map_err(|error| error.to_string())?;
+        let headers = &self.headers;
+        let place = |column: ChannelColumn| {
+            let header = &headers[column.column];
+            format!("{}, line {line}, column {header:?}", path.display())
+        };
         let mut value = |column: ChannelColumn| {
             let text = row[column.column];
-            let number = cell(text, &mut self.decimal_comma).ok_or_else(|| Error::Cell {
-                path: path.clone(),
-                line,
-                header: self.headers[column.column].clone(),
-                text: text.chars().take(60).collect(),
-            })?;
+            let Some(number) = cell(text, &mut self.decimal_comma) else {
+                let text: String = text.chars().take(60).collect();
+                return Err(format!("{}: {text:?} is not a number", place(column)));
+            };
             let mut si = [number];
             column.unit.convert(&mut si, column.sign);
             Ok(si[0])
         };
-        let [time_s, speed_mps] = [value(self.time)?, value(self.speed)?];
-        let lead_gap_m = self.lead_gap.map_or(Ok(f64::NAN), value)?;
-        for (column, value) in [(self.time, time_s), (self.speed, speed_mps)] {
-            if value.is_nan() {
-                return Err(Error::NoValue {
-                    path: path.clone(),
-                    line,
-                    header: self.headers[column.column].clone(),
-                });
-            }
-        }
-        Ok(Some(Row {
+        let mut required = |column| match value(column)? {
+            value if value.is_nan() => Err(format!("{}: no value", place(column))),
+            value => Ok(value),
+        };
+        let (time_s, speed_mps) = (required(self.time)?, required(self.speed)?);
+        let in_range = |channel, column, value| {
+            possible(channel, value).map_err(|what| format!("{}: {what}", place(column)))
+        };
+        in_range(Channel::Speed, self.speed, speed_mps)?;
+        let gap = self.lead_gap.map(|column| {
+            value(column).and_then(|gap_m| in_range(Channel::LeadGap, column, gap_m))
+        });
+        let lead_gap_m = gap.unwrap_or(Ok(f64::NAN)).unwrap_or_else(|what| {
+            remark(format!("{what}; counted as missing"));
+            f64::NAN
+        });
+        Ok(Sample {
             time_s,
             speed_mps,
             lead_gap_m,
-            starts_piece: self.starts_piece(time_s)?,
-        }))
+        })
     }
 
-    fn starts_piece(&mut self, time_s: f64) -> Result<bool, Error> {
-        let Some(last_s) = self.last_s.replace(time_s) else {
-            return Ok(true);
+    /// One remark for rows that follow each other.
+    fn leave_out(&mut self, what: &str, remark: &mut dyn FnMut(String)) {
+        if self.left_out == 0 {
+            remark(format!("{what}; left out, as all rows until it is right"));
+        }
+        self.left_out += 1;
+    }
+
+    fn take(&mut self, sample: Sample, remark: &mut dyn FnMut(String)) {
+        let place = format!("{}, line {}", self.lines.path.display(), self.lines.line);
+        let newest_s = self.regular.newest_s();
+        let (from_s, to_s) = (newest_s.unwrap_or(sample.time_s), sample.time_s);
+        let arrival = self.regular.arrive(sample);
+        let left_out = match self.left_out {
+            1 => "1 row was left out".to_owned(),
+            count => format!("{count} rows were left out"),
         };
-        let found_s = time_s - last_s;
-        if (found_s - self.step_s).abs() <= STEP_TOLERANCE * self.step_s {
-            Ok(false)
-        } else if found_s > self.max_gap_s {
-            Ok(true)
-        } else {
-            Err(Error::IrregularStep {
-                path: self.lines.path.clone(),
-                line: self.lines.line,
-                time_s,
-                found_s,
-                step_s: self.step_s,
-            })
+        let what = match arrival {
+            Arrival::Late => {
+                let what = format!("{place}: {to_s} s comes after {from_s} s");
+                return self.leave_out(&what, remark);
+            }
+            Arrival::SetBack { .. } => {
+                format!("the clock is set back from {from_s} s to {to_s} s; a new piece starts")
+            }
+            Arrival::Gap { .. } => {
+                format!("no speed for {:.3} s; a new piece starts", to_s - from_s)
+            }
+            Arrival::Follows if self.left_out == 0 => {
+                return self.tell_of_steps(&place, to_s - from_s, remark);
+            }
+            Arrival::Follows if newest_s.is_none() => format!("{left_out} before it"),
+            Arrival::Follows => {
+                let gap_s = to_s - from_s;
+                format!("{left_out}; for {gap_s:.3} s the speed is a straight line")
+            }
+        };
+        self.left_out = 0;
+        remark(format!("{place}: {what}"));
+        if let Arrival::SetBack { alone: true } | Arrival::Gap { alone: true } = arrival {
+            remark(alone(&place, from_s));
         }
     }
+
+    /// Once: a log of another step would fill the screen.
+    fn tell_of_steps(&mut self, place: &str, found_s: f64, remark: &mut dyn FnMut(String)) {
+        let step_s = self.regular.step_s();
+        let is_first = found_s == 0.0;
+        let jitter = (found_s - step_s).abs() <= STEP_TOLERANCE * step_s;
+        if !(is_first || jitter || self.told_of_steps) {
+            self.told_of_steps = true;
+            remark(format!(
+                "{place}: {found_s:.3} s after the row before, not {step_s} s; straight lines between such rows are sampled every \
+                 {step_s} s, see --step"
+            ));
+        }
+    }
+
+    fn ended(&self, remark: &mut dyn FnMut(String)) -> Result<(), Error> {
+        match self.regular.newest_s() {
+            None if self.left_out > 0 => Err(Error::NoData {
+                path: self.lines.path.clone(),
+                found: "no row with time and speed",
+            }),
+            Some(at_s) if self.regular.is_alone() => {
+                remark(alone(&self.lines.path.display().to_string(), at_s));
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A value that a road vehicle can have, or none.
+fn possible(channel: Channel, value: f64) -> Result<f64, String> {
+    let (least, most) = plausible(channel);
+    if value < least || value > most {
+        let name = channel.name();
+        return Err(format!("{value} is outside {least} to {most} ({name})"));
+    }
+    Ok(value)
+}
+
+fn alone(place: &str, at_s: f64) -> String {
+    format!("{place}: the sample at {at_s} s stands alone, which is no drive; left out")
 }
 
 /// Delimiter, headers and columns of a header. The delimiter is the one with which it is canonical.
@@ -215,71 +311,4 @@ impl<R: BufRead> Lines<R> {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    fn rows(text: &str) -> Result<Vec<Row>, Error> {
-        let mut reader = RowReader::new(Path::new("stdin"), text.as_bytes(), 0.1, 2.0)?;
-        let mut rows = Vec::new();
-        while let Some(row) = reader.next_row()? {
-            rows.push(row);
-        }
-        Ok(rows)
-    }
-
-    #[test]
-    fn every_delimiter_and_decimal_mark_reads_alike() {
-        let expected = rows("time_s,speed_kmh,lead_gap_m\n0,36,\n0.1,36.36,12.5\n").unwrap();
-        assert_eq!(expected.len(), 2);
-        assert_eq!(
-            (expected[0].speed_mps, expected[0].starts_piece),
-            (10.0, true)
-        );
-        assert!(expected[0].lead_gap_m.is_nan());
-        assert_eq!(
-            (expected[1].lead_gap_m, expected[1].starts_piece),
-            (12.5, false)
-        );
-        for text in [
-            "\u{feff}time_s;speed_kmh;lead_gap_m\r\n0;36;\r\n\r\n0,1;36,36;12,5",
-            "LEAD_GAP_M\tx\tv\tt\n\t?\t10\t0\n12.5\t\t10.1\t0.1\n",
-        ] {
-            for (row, expected) in rows(text).unwrap().iter().zip(&expected) {
-                assert_eq!(
-                    (row.time_s, row.speed_mps),
-                    (expected.time_s, expected.speed_mps)
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn a_gap_starts_a_piece_and_jitter_is_taken() {
-        let rows = rows("t,v\n0,1\n0.109,1\n0.2,1\n5,1\n5.1,1\n").unwrap();
-        let starts: Vec<bool> = rows.iter().map(|row| row.starts_piece).collect();
-        assert_eq!(starts, [true, false, false, true, false]);
-    }
-
-    #[test]
-    fn errors_name_the_line() {
-        for (text, words) in [
-            ("", "empty"),
-            ("\n \n", "empty"),
-            ("speed_kmh,x\n1,2\n", "time"),
-            ("0,1\n0.1,1\n", "speed"),
-            ("time_s,speed_furlong\n0,1\n", "speed_furlong"),
-            ("t,v\n0,1\n\n0.1,fast\n", "line 4"),
-            ("t,v\n0,1\n0.1\n", "line 3"),
-            ("t,v\n0,1\n0.1,\n", "line 3"),
-            ("t,v\n0,1\n0.3,1\n", "line 3"),
-            ("t,v\n0,1\n-0.1,1\n", "line 3"),
-            ("t,v\n0,1\n0,1\n", "line 3"),
-            ("t;v\n0;1,5\n0,1;1.5\n", "line 3"),
-        ] {
-            let error = rows(text).unwrap_err().to_string();
-            assert!(error.contains(words), "{text:?}: {error}");
-        }
-        let long = format!("t,v\n0,1{}\n", " ".repeat(1 << 20));
-        assert!(rows(&long).unwrap_err().to_string().contains("line 2"));
-    }
-}
+mod tests;

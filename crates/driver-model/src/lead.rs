@@ -2,6 +2,8 @@ use std::ops::Range;
 
 use drive_log::{Channel, DriveLog};
 
+use crate::grid::below;
+
 /// A leader matters when its gap in m is under this many times the speed in m/s (thesis 3.28).
 pub const INFLUENCE_GAP_S: f64 = 5.0;
 
@@ -29,7 +31,7 @@ pub fn lead_influenced(log: &DriveLog, range: Range<usize>) -> bool {
 }
 
 pub(crate) fn is_near(gap_m: f64, speed_mps: f64) -> bool {
-    gap_m < INFLUENCE_GAP_S * speed_mps
+    below(gap_m, INFLUENCE_GAP_S * speed_mps)
 }
 
 /// Whether so many samples with a near leader make a stretch of so many samples an influenced one.

@@ -69,6 +69,7 @@ mod evaluate;
 mod following;
 mod free_run;
 mod function_fit;
+mod grid;
 mod lead;
 mod least_squares;
 mod model;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use tseg::{Metrics, Segmentation};
 
+use crate::grid::{above, at_least};
 use crate::{Error, Segmented, SpeedGroup, dead_banded, lead};
 
 /// What the driver does during a stretch of a drive.
@@ -97,11 +98,11 @@ impl Default for HeuristicRules {
 
 impl HeuristicRules {
     fn label(&self, speed_mps: f64, accel_mps2: f64) -> PhaseKind {
-        if accel_mps2 >= self.accel_threshold_mps2 {
+        if at_least(accel_mps2, self.accel_threshold_mps2) {
             PhaseKind::Acceleration
-        } else if accel_mps2 <= -self.accel_threshold_mps2 {
+        } else if at_least(-accel_mps2, self.accel_threshold_mps2) {
             PhaseKind::Braking
-        } else if speed_mps > self.cruise_speed_mps {
+        } else if above(speed_mps, self.cruise_speed_mps) {
             PhaseKind::Cruise
         } else {
             PhaseKind::Other

@@ -6,6 +6,7 @@ use tseg::{
     Segmentation, Series, Similarity, SlidingWindow, Stop, Swab, merge_similar,
 };
 
+use crate::grid::{above, below};
 use crate::tally::Tally;
 use crate::{Error, Phase, PhaseKind};
 
@@ -295,8 +296,8 @@ impl StatisticalRules {
         } else if tally.braking as f64 / n >= 0.5 {
             PhaseKind::Braking
         } else if (tally.accelerating + tally.braking) as f64 / n <= 0.1
-            && n * step_s > self.cruise_min_duration_s
-            && tally.mean_speed_mps() > self.cruise_min_speed_mps
+            && above(n * step_s, self.cruise_min_duration_s)
+            && above(tally.mean_speed_mps(), self.cruise_min_speed_mps)
         {
             PhaseKind::Cruise
         } else {
@@ -344,7 +345,7 @@ pub(crate) struct Prepared {
     pub(crate) series: Series,
 }
 
-/// `a := 0` where `|a| < threshold` (strict).
+/// `a := 0` where `|a| < threshold` (strict), compared on a grid of 2⁻¹⁴ m/s².
 ///
 /// # Errors
 /// [`Error::Option`] for a threshold that is not at least 0.
@@ -364,7 +365,7 @@ pub(crate) fn check_deadband(threshold_mps2: f64) -> Result<(), Error> {
 }
 
 pub(crate) fn banded(accel_mps2: f64, threshold_mps2: f64) -> f64 {
-    if accel_mps2.abs() < threshold_mps2 {
+    if below(accel_mps2.abs(), threshold_mps2) {
         0.0
     } else {
         accel_mps2

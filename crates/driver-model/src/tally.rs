@@ -1,3 +1,5 @@
+use crate::grid::above;
+
 /// What classifying a segment takes of its samples. Adds up sample by sample, so that a stream need not keep them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Tally {
@@ -21,8 +23,8 @@ impl Tally {
 
     pub(crate) fn add(&mut self, speed_mps: f64, accel_mps2: f64, threshold_mps2: f64) {
         self.samples += 1;
-        self.accelerating += usize::from(accel_mps2 > threshold_mps2);
-        self.braking += usize::from(accel_mps2 < -threshold_mps2);
+        self.accelerating += usize::from(above(accel_mps2, threshold_mps2));
+        self.braking += usize::from(above(-accel_mps2, threshold_mps2));
         self.speed_sum_mps += speed_mps;
         self.accel_sum_mps2 += accel_mps2;
     }

@@ -2,6 +2,7 @@ use drive_log::{Drive, DriveLog};
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
 use crate::energy::slope_rad;
+use crate::grid::below;
 use crate::{
     AccelPoint, CruiseSettings, CruiseStretch, Error, FollowingSettings, FollowingStretch,
     HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules, cruise_stretches, following_stretches,
@@ -127,8 +128,8 @@ impl Trip {
             };
             let outline = curve.outline();
             if phase.kind != curve.kind()
-                || outline.duration_s() < settings.min_duration_s
-                || outline.gain_mps().abs() < settings.min_gain_mps
+                || below(outline.duration_s(), settings.min_duration_s)
+                || below(outline.gain_mps().abs(), settings.min_gain_mps)
             {
                 continue;
             }

@@ -1,14 +1,16 @@
+use crate::series::on_grid;
+
 /// Whether two segments of these means are alike: thesis Algorithm 5.
 ///
 /// They have the same sign (that of 0 is 0), both magnitudes lie at or below, or both at or above, their threshold, and
-/// the means differ by `difference` at most.
+/// the means differ by `difference` at most; all of them compare on the grid.
 pub(crate) fn means_alike(means: [f64; 2], magnitudes: [f64; 2], difference: f64) -> bool {
-    let [x, y] = means;
-    let [x_limit, y_limit] = magnitudes;
+    let [x, y] = means.map(on_grid);
+    let [x_limit, y_limit] = magnitudes.map(on_grid);
     let sign = |mean: f64| (mean > 0.0, mean < 0.0);
     let both_low = x.abs() <= x_limit && y.abs() <= y_limit;
     let both_high = x.abs() >= x_limit && y.abs() >= y_limit;
-    sign(x) == sign(y) && (both_low || both_high) && (x - y).abs() <= difference
+    sign(x) == sign(y) && (both_low || both_high) && (x - y).abs() <= on_grid(difference)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::mean_comparison::means_alike;
 use crate::multiset::Multiset;
 use crate::percentile::percentile;
 use crate::segmentation::Segmentation;
+use crate::series::on_grid;
 
 /// When two neighbouring segments are so alike that they become one: thesis section 3.1.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,7 +118,7 @@ impl Merging {
         })
     }
 
-    /// Takes the samples of the next segment. `true` where it joins the accumulated one; `false` where it starts a new one,
+    /// Takes the samples of the next segment, rounded to the grid of [`Series`](crate::Series). `true` where it joins the accumulated one; `false` where it starts a new one,
     /// as the first does.
     ///
     /// # Errors
@@ -128,6 +129,7 @@ impl Merging {
             return Err(Error::NoSamples);
         }
         check_finite(0, next)?;
+        let next: &[f64] = &next.iter().map(|&x| on_grid(x)).collect::<Vec<_>>();
         let samples = match self.similarity {
             Similarity::Mean { .. } | Similarity::MeanLiteral { .. } => Multiset::default(),
             Similarity::Association { .. } | Similarity::Percentile { .. } => Multiset::new(next),
@@ -158,15 +160,18 @@ impl Merging {
                 difference,
             } => means_alike(means, [magnitude, difference], difference),
             Similarity::Association { l, threshold } => {
-                association(&self.samples, samples, l) > threshold
+                on_grid(association(&self.samples, samples, l)) > on_grid(threshold)
             }
-            Similarity::Percentile { threshold } => percentile(&self.samples, samples) > threshold,
+            Similarity::Percentile { threshold } => {
+                on_grid(percentile(&self.samples, samples)) > on_grid(threshold)
+            }
         }
     }
 }
 
 /// Merges similar neighbours in one pass from left to right: the segment accumulated so far, with all its samples of
-/// `signal` (one value per sample), against the next. The thesis applies it to acceleration.
+/// `signal` (one value per sample), against the next. Samples and similarities compare on the grid of
+/// [`Series`](crate::Series). The thesis applies it to acceleration.
 ///
 /// # Errors
 ///

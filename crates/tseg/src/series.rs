@@ -7,6 +7,15 @@ pub(crate) const STEPS_PER_UNIT: f64 = 4_294_967_296.0;
 /// differences stays below 2⁶² and `n` times a sum of their squares below 2¹²⁴.
 pub(crate) const LARGEST_SUM: f64 = 536_870_912.0;
 
+/// The value as the grid has it, so that noise far below it decides no comparison.
+pub(crate) fn on_grid(value: f64) -> f64 {
+    // From here on, numbers are further apart than the grid.
+    if value.abs() >= f64::from(1 << 21) {
+        return value;
+    }
+    (value * STEPS_PER_UNIT).round_ties_even() / STEPS_PER_UNIT
+}
+
 fn check_weight(variable: usize, weight: f64) -> Result<(), Error> {
     if weight.is_finite() && weight >= 0.0 {
         Ok(())

@@ -5,11 +5,13 @@ use super::scenario::{Disturbance, PresetName, TestbedName};
 use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
@@ -47,10 +49,10 @@ pub(crate) struct CampaignArgs {
     )]
     disturb: Vec<Disturbance>,
     /// Runs for each preset and group of disturbances
-    #[arg(long, default_value_t = 1000, value_name = "N")]
+    #[arg(long, default_value_t = 1000, value_parser = numbers::runs, value_name = "N")]
     runs: usize,
     /// Length of each run, in s [default: 60, or that of the file]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_parser = numbers::run_duration_s, value_name = "S")]
     duration: Option<f64>,
     /// Seed of the first run; the next ones count up
     #[arg(long, default_value_t = 1)]
@@ -59,12 +61,15 @@ pub(crate) struct CampaignArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outcome> {
-    if let Some(path) = &args.report {
-        output::check_file_place(path)?;
-    }
+    args.require.check(&Figures::new(include_str!(
+        "../../figures/ctrl-campaign.txt"
+    )))?;
     let (campaign, refused) = args.campaign(context)?;
     for refused in &refused {
         let Refused { scenario, reason } = refused;
@@ -85,7 +90,10 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         output::note(context, &text);
     }
     let progress = Progress::new(context, "running", campaign.work());
-    let report = campaign.run(&|| progress.step())?;
+    let mut report = campaign.run(&|| progress.step())?;
+    if context.no_times {
+        (report.seconds, report.simulated_s_per_s) = (f64::NAN, f64::NAN);
+    }
     drop(progress);
     let violations = report.violations.iter();
     let body = Body {
@@ -95,7 +103,8 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         refused,
         violations: violations.map(|v| Listed::new(v, args.duration)).collect(),
     };
-    let document = Document::new("ctrl-campaign", args, &[], body);
+    let mut document = Document::new("ctrl-campaign", args, &[], body);
+    let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = html::CAMPAIGN.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
@@ -109,17 +118,12 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         .totals
         .iter()
         .all(|total| total.tally.violations == 0);
-    Ok(if safe {
-        Outcome::Done
-    } else {
-        Outcome::Negative
-    })
+    Ok(if safe { outcome } else { Outcome::Negative })
 }
 
 impl CampaignArgs {
     /// And what is left out of it.
     fn campaign(&self, context: &Context) -> anyhow::Result<(Campaign, Vec<Refused>)> {
-        anyhow::ensure!(self.runs > 0, "--runs has to be 1 or more");
         let wanted = Wanted {
             scenarios: &self.scenario,
             testbeds: self.testbed.iter().map(|name| (*name).into()).collect(),
@@ -276,12 +280,12 @@ fn text(report: &CampaignReport, violations: &[Listed]) -> String {
         format!("Unsafe runs, at most twenty of each kind:\n{listed}")
     };
     format!(
-        "{}\n{}\n{listed}\n{}, {:.0} s simulated in {:.1} s: {:.0} s per s\n",
+        "{}\n{}\n{listed}\n{}, {:.0} s simulated in {} s: {} s per s\n",
         table(&["preset", "disturbance"], totals),
         table(&["preset", "disturbance", "testbed", "scenario"], rows),
         plural(report.runs, "run"),
         report.simulated_s,
-        report.seconds,
-        report.simulated_s_per_s
+        number(report.seconds, 1),
+        number(report.simulated_s_per_s, 0)
     )
 }

@@ -10,6 +10,7 @@ use crate::flags::{Context, Format};
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// What a scenario asks of its robots, and what is driven in its place where that does not fit
 ///
@@ -25,6 +26,9 @@ pub(crate) struct CheckArgs {
     #[command(flatten)]
     #[serde(flatten)]
     scenario: ScenarioArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 #[derive(Serialize)]
@@ -46,6 +50,8 @@ pub(super) struct Refused<'a> {
 }
 
 pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../../figures/ctrl-check.txt")))?;
     let named = args.scenario.named(PresetName::Hardened)?;
     named.spec.disturbances.check().context("disturbances")?;
     let spec = &named.spec.scenario;
@@ -68,11 +74,13 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
         notes,
         demands,
     };
+    let mut document = Document::new("ctrl-check", args, &[], body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => output::print_json(&Document::new("ctrl-check", args, &[], body))?,
-        Format::Text => output::print_text(&text(&body))?,
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&text(&document.body))?,
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 fn refuse(
@@ -81,17 +89,17 @@ fn refuse(
     scenario: &str,
     reason: String,
 ) -> anyhow::Result<()> {
+    let text = format!("{scenario}\n\ndoes not fit: {reason}\n");
+    let body = Refused {
+        scenario,
+        fits: false,
+        reason,
+    };
+    let mut document = Document::new("ctrl-check", args, &[], body);
+    document.judged(&args.require)?;
     match context.format {
-        Format::Text => output::print_text(&format!("{scenario}\n\ndoes not fit: {reason}\n")),
-        Format::Json => {
-            let fits = false;
-            let body = Refused {
-                scenario,
-                fits,
-                reason,
-            };
-            output::print_json(&Document::new("ctrl-check", args, &[], body))
-        }
+        Format::Text => output::print_text(&text),
+        Format::Json => output::print_json(&document),
     }
 }
 

@@ -15,6 +15,7 @@ use crate::flags::{Context, Format};
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// One state's rows, optimum and multipliers
 ///
@@ -34,6 +35,9 @@ pub(crate) struct ExplainArgs {
     #[command(flatten)]
     #[serde(flatten)]
     scenario: ScenarioArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 #[derive(Deserialize)]
@@ -56,6 +60,9 @@ enum Barrier {
 }
 
 pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require.check(&Figures::new(include_str!(
+        "../../figures/ctrl-explain.txt"
+    )))?;
     let named = args.scenario.named(PresetName::Thesis)?;
     for text in &named.notes {
         output::note(context, text);
@@ -70,21 +77,16 @@ pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outco
         .map(|state| Explained::new(&scenario, state))
         .collect::<anyhow::Result<_>>()?;
     let braking = explained.iter().any(|e| e.braking.is_some());
+    let mut document = Document::new("ctrl-explain", args, &[], Body { states: explained });
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => {
-            let body = Body { states: explained };
-            output::print_json(&Document::new("ctrl-explain", args, &[], body))?;
-        }
+        Format::Json => output::print_json(&document)?,
         Format::Text => {
-            let texts: Vec<String> = explained.iter().map(Explained::text).collect();
-            output::print_text(&texts.join("\n"))?;
+            let texts = document.body.states.iter().map(Explained::text);
+            output::print_text(&texts.collect::<Vec<_>>().join("\n"))?;
         }
     }
-    Ok(if braking {
-        Outcome::Negative
-    } else {
-        Outcome::Done
-    })
+    Ok(if braking { Outcome::Negative } else { outcome })
 }
 
 fn parse(text: &str) -> serde_json::Result<Vec<StateSpec>> {

@@ -20,6 +20,7 @@ use super::newest::NewestPlaces;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
+use crate::temporary;
 use crate::view::{Snapshot, View};
 
 /// Watchdog of controllers that have none, in s.
@@ -214,6 +215,7 @@ pub(crate) fn unix_now_s() -> f64 {
 
 /// Signals that would end or suspend the program stop the robots instead.
 fn watch_signals(stop: &StopSwitch) -> anyhow::Result<()> {
+    temporary::leave_signals_alone();
     #[cfg(unix)]
     use signal_hook::consts::{SIGHUP, SIGQUIT, SIGTSTP};
     use signal_hook::consts::{SIGINT, SIGTERM};

@@ -7,12 +7,14 @@ use testbed_io::recorded::{self, RecordingLayout};
 use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
+use super::run::forget_times;
 use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// Every decision of a run log once more, or controllers beside recorded poses
 ///
@@ -42,6 +44,9 @@ pub(crate) struct ReplayArgs {
     /// Scenario file with path and lane; without it a circular lane is laid around the poses
     #[arg(long, value_name = "FILE.toml", requires = "poses")]
     scenario: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
@@ -69,6 +74,8 @@ impl From<Layout> for RecordingLayout {
 }
 
 pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../../figures/ctrl-replay.txt")))?;
     match (args.poses, args.files.as_slice()) {
         (Some(layout), files) => beside(args, files, layout.into(), context),
         (None, [file]) => again(args, file, context),
@@ -108,12 +115,14 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
             &format!("{} is cut off; what is whole was replayed", file.display()),
         );
     }
+    let mut document = Document::new("ctrl-replay", args, &[], body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
+        Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&again_text(&replay))?,
     }
     Ok(if replay.different == 0 {
-        Outcome::Done
+        outcome
     } else {
         Outcome::Negative
     })
@@ -193,7 +202,10 @@ fn beside(
         }
     };
     let scenario = Scenario::new(spec)?;
-    let (ticks, summary) = shadow(&scenario, &recording)?;
+    let (mut ticks, summary) = shadow(&scenario, &recording)?;
+    if context.no_times {
+        forget_times(&mut ticks);
+    }
     let robots = recording
         .robots
         .iter()
@@ -210,11 +222,13 @@ fn beside(
         summary: &summary,
         r#loop: Timing::new(&ticks, scenario.controller().hold_s()),
     };
+    let mut document = Document::new("ctrl-replay", args, &[], body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
-        Format::Text => output::print_text(&beside_text(&body))?,
+        Format::Json => output::print_json(&document)?,
+        Format::Text => output::print_text(&beside_text(&document.body))?,
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 fn beside_text(body: &Beside) -> String {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
 use testbed_io::{
-    Disturbances, Event, Figures, LeastDistance, Run, RunSpec, Summary, Timing, Verdict,
+    Disturbances, Event, LeastDistance, Run, RunSpec, Summary, Tick, Timing, Verdict,
 };
 use unicycle_cbf::{Demands, Scenario};
 
@@ -15,10 +15,12 @@ use super::live::{self, LiveArgs};
 use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::numbers;
 use crate::output;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 
 /// Run a scenario on simulated robots, or with --live on real ones
@@ -46,10 +48,10 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     seed: Option<u64>,
     /// Length of the run, in s [default: 60, or that of the file]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_parser = numbers::run_duration_s, value_name = "S")]
     duration: Option<f64>,
     /// Run log to write: .parquet, .csv or .mcap
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE.parquet|csv|mcap")]
     #[serde(skip)]
     output: Option<PathBuf>,
     /// Write one self-contained page with an animated view and pictures
@@ -62,6 +64,9 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     #[serde(flatten)]
     live: LiveArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> {
@@ -69,6 +74,8 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(kind.text())?;
         return Ok(Outcome::Done);
     }
+    args.require
+        .check(&Figures::new(include_str!("../../figures/ctrl-run.txt")))?;
     let named = args.named(context)?;
     let scenario = match (&named.spec.link, check::fitting(&named.spec.scenario)) {
         (None, Ok(Err(reason))) => {
@@ -100,9 +107,6 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     for note in check::notes(&named.spec.scenario, &Demands::new(&scenario)) {
         output::note(context, &note);
     }
-    for path in args.output.iter().chain(&args.report) {
-        output::check_file_place(path)?;
-    }
     let format = args.output.as_deref().map(LogFormat::from_path);
     format.transpose()?;
     let ended = args.ended(&named.spec, &scenario, context)?;
@@ -111,8 +115,11 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         .and_then(|()| args.tell(&named, &scenario, &ended, context));
     // Robots that may still move are worse than a file that cannot be written.
     let outcome = ended.outcome()?;
-    told?;
-    Ok(outcome)
+    let judged = told?;
+    Ok(match outcome {
+        Outcome::Done => judged,
+        Outcome::Negative => outcome,
+    })
 }
 
 /// A run that is over, in simulation or on real robots.
@@ -174,8 +181,11 @@ impl RunArgs {
         let (run, summary, live) = match &spec.link {
             None => {
                 let (mut run, summary) = spec.simulate()?;
-                // Other formats are the same for the same seed.
-                run.started_unix_s = self.is_mcap().then(live::unix_now_s);
+                if context.no_times {
+                    forget_times(&mut run.ticks);
+                } else if self.is_mcap() {
+                    run.started_unix_s = Some(live::unix_now_s());
+                }
                 (run, summary, None)
             }
             Some(link) => {
@@ -219,13 +229,14 @@ impl RunArgs {
         scenario: &Scenario,
         ended: &Ended,
         context: &Context,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Outcome> {
         let mut body = Body::new(named, ended);
         if self.report.is_some() {
             body.figures = Some(figures(&named.spec, scenario, &ended.run)?);
             body.events = Event::all(scenario);
         }
         let mut document = Document::new("ctrl-run", self, &[], body);
+        let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
             let page = html::CONTROL.filled(&serde_json::to_value(&document)?);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
@@ -240,16 +251,24 @@ impl RunArgs {
             .is_some_and(LinkSpec::writes_to_stdout)
         {
             output::note(context, &text);
-            return Ok(());
+            return Ok(outcome);
         }
         match context.format {
-            Format::Json => output::print_json(&document),
-            Format::Text => output::print_text(&text),
+            Format::Json => output::print_json(&document)?,
+            Format::Text => output::print_text(&text)?,
         }
+        Ok(outcome)
     }
 }
 
-fn figures(spec: &RunSpec, scenario: &Scenario, run: &Run) -> anyhow::Result<Figures> {
+/// Of single decisions, which differ from run to run.
+pub(super) fn forget_times(ticks: &mut [Tick]) {
+    for tick in ticks {
+        tick.step_us = f64::NAN;
+    }
+}
+
+fn figures(spec: &RunSpec, scenario: &Scenario, run: &Run) -> anyhow::Result<testbed_io::Figures> {
     let undisturbed = if spec.disturbances.is_none() {
         None
     } else {
@@ -260,7 +279,7 @@ fn figures(spec: &RunSpec, scenario: &Scenario, run: &Run) -> anyhow::Result<Fig
         Some(spec.simulate()?.0)
     };
     let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
-    Ok(Figures::new(scenario, &run.ticks, undisturbed))
+    Ok(testbed_io::Figures::new(scenario, &run.ticks, undisturbed))
 }
 
 #[derive(Serialize)]
@@ -283,7 +302,7 @@ struct Body<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     events: Vec<Event>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<Figures>,
+    figures: Option<testbed_io::Figures>,
     spec: &'a RunSpec,
 }
 

@@ -15,9 +15,11 @@ use crate::cmd::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
+use crate::numbers;
 use crate::output;
 use crate::render::html;
 use crate::render::json::Document;
+use crate::require::{Figures, RequireArgs};
 
 /// Where the energy of drives went, against measured battery power where the log has it
 ///
@@ -36,7 +38,7 @@ pub(crate) struct EnergyArgs {
     #[arg(long, required = true, value_name = "NAME|FILE")]
     vehicle: Vec<String>,
     /// Slopes are smoothed over this distance to either side, in m
-    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_name = "M")]
+    #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     slope_bandwidth: f64,
     /// Write every term of every step, of one log and one vehicle
     #[arg(long, value_name = "FILE.csv")]
@@ -46,17 +48,19 @@ pub(crate) struct EnergyArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../../figures/energy.txt")))?;
     let vehicles: Vec<Vehicle> = args
         .vehicle
         .iter()
         .map(|name| vehicle(name))
         .collect::<anyhow::Result<_>>()?;
-    for path in [&args.trace, &args.report].into_iter().flatten() {
-        output::check_file_place(path)?;
-    }
     let inputs = inputs::load(&args.logs, context)?;
     if let Some(path) = &args.trace {
         let ([input], [vehicle]) = (&inputs[..], &vehicles[..]) else {
@@ -108,6 +112,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
             logs: entries,
         },
     );
+    let outcome = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::text(&document.body))?,
@@ -120,7 +125,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 #[derive(Serialize)]

@@ -20,17 +20,18 @@ use driver_model::{
 use serde::Serialize;
 
 use super::left_out;
-use super::phases::{PhaseArgs, width_kmh};
+use super::phases::PhaseArgs;
 use super::prior::PriorArgs;
 use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Inputs};
+use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
-use crate::require::Requirement;
+use crate::require::{Figures, RequireArgs};
 use hold_out::{HoldOutArgs, Units};
 use missing::Missing;
 use trajectory::TrajectoryArgs;
@@ -77,7 +78,7 @@ pub(crate) struct EvaluateArgs {
     #[arg(long)]
     learning_curve: bool,
     /// Full width of the band around the measured speed, in km/h [default: 3 for phases, 5 for trips]
-    #[arg(long, value_parser = width_kmh, value_name = "KM/H")]
+    #[arg(long, value_parser = numbers::width_kmh, value_name = "KM/H")]
     band: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -86,10 +87,9 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
-    /// A threshold such as 'profile.in_band_pct>=60'; exit code 1 if missed
-    #[arg(long, value_name = "EXPR")]
+    #[command(flatten)]
     #[serde(skip)]
-    require: Vec<Requirement>,
+    require: RequireArgs,
 }
 
 /// What is predicted.
@@ -145,48 +145,61 @@ struct Findings {
 }
 
 pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require.check(&args.figures()?)?;
     let vehicle = args.vehicle.read()?;
-    if let Some(path) = &args.report {
-        output::check_file_place(path)?;
-    }
     let inputs = if args.logs.logs.is_empty() {
         inputs::load_embedded(&args.logs.reading, context)?
     } else {
         args.vehicle.mention(context);
         inputs::load_once(&args.logs, context)?
     };
-    let mut outcome = inputs.outcome();
-    let figures = match args.task {
+    let outcome = match args.task {
         Task::Trajectory => args.evaluate_trajectory(&inputs, &vehicle, context)?,
         Task::Phases => {
             let prior = args.prior.inputs(&args.logs.reading, &inputs, context)?;
-            outcome = outcome.and(prior.outcome());
             args.evaluate_phases(&inputs, &prior, &vehicle, context)?
+                .and(prior.outcome())
         }
     };
-    for requirement in &args.require {
-        if let Some(reason) = requirement.missed(&figures)? {
-            output::note(context, &format!("missed: {reason}"));
-            outcome = Outcome::Negative;
-        }
-    }
-    Ok(outcome)
+    Ok(inputs.outcome().and(outcome))
 }
 
 impl EvaluateArgs {
-    /// Evaluates, prints, and returns the document.
+    /// Those of the models that are evaluated.
+    fn figures(&self) -> anyhow::Result<Figures> {
+        Ok(match self.task {
+            Task::Phases => {
+                let baselines = ModelKind::ALL.into_iter().filter(|kind| kind.is_baseline());
+                let models = self.phase_models().into_iter().chain(baselines);
+                let names = models.map(ModelKind::name);
+                Figures::of(
+                    include_str!("../../figures/evaluate.txt"),
+                    names.map(str::to_owned),
+                )
+            }
+            Task::Trajectory => Figures::of(
+                include_str!("../../figures/evaluate-trajectory.txt"),
+                self.direct_names()?,
+            ),
+        })
+    }
+
+    /// Evaluates and prints.
     fn evaluate_phases(
         &self,
         inputs: &Inputs,
         prior_inputs: &Inputs,
         vehicle: &ev_energy::Vehicle,
         context: &Context,
-    ) -> anyhow::Result<serde_json::Value> {
+    ) -> anyhow::Result<Outcome> {
         let args = self;
         let units = args.hold_out.units(inputs, context)?;
         let trips = args.phases.trips(inputs, context)?;
         let prior = args.phases.trips(prior_inputs, context)?;
-        let findings = args.evaluate(&units, &trips, &prior, vehicle, context)?;
+        let mut findings = args.evaluate(&units, &trips, &prior, vehicle, context)?;
+        if context.no_times {
+            findings.forget_times();
+        }
         findings.missing.mention(context);
         left_out::mention(&findings.left_out, context);
         for evaluation in [&findings.acceleration, &findings.braking]
@@ -202,17 +215,20 @@ impl EvaluateArgs {
             }
         }
 
-        let document = Document::new(
+        let mut document = Document::new(
             "evaluate",
             args,
             inputs,
             document::Body::new(args, &units, &findings),
         )
         .beside(prior_inputs);
-        let figures = serde_json::to_value(&document)?;
+        let outcome = document.judged(&args.require)?;
         if let Some(path) = &args.report {
-            let page =
-                html::EVALUATION.filled(&document::with_curves(figures.clone(), &findings, &trips));
+            let page = html::EVALUATION.filled(&document::with_curves(
+                serde_json::to_value(&document)?,
+                &findings,
+                &trips,
+            ));
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
         }
@@ -220,7 +236,7 @@ impl EvaluateArgs {
             Format::Json => output::print_json(&document)?,
             Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
         }
-        Ok(figures)
+        Ok(outcome)
     }
 
     fn band_kmh(&self) -> f64 {
@@ -289,6 +305,24 @@ impl EvaluateArgs {
             missing,
             left_out: missing::without_anything(trips),
         })
+    }
+}
+
+impl Findings {
+    /// Of fitting and predicting, which differ from run to run.
+    fn forget_times(&mut self) {
+        let kinds = [self.acceleration.as_mut(), self.braking.as_mut()];
+        for summary in kinds
+            .into_iter()
+            .flatten()
+            .flat_map(|kind| &mut kind.summaries)
+        {
+            (summary.fit_seconds, summary.predict_seconds) = (f64::NAN, f64::NAN);
+        }
+        let following = self.following.iter_mut();
+        for fold in following.flat_map(|(following, _)| &mut following.folds) {
+            (fold.fit_seconds.idm, fold.fit_seconds.constant_time_gap) = (f64::NAN, f64::NAN);
+        }
     }
 }
 

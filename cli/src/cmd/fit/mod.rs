@@ -20,8 +20,10 @@ use super::prior::PriorArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
+use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
+use crate::require::{Figures, RequireArgs};
 
 /// Fit one model and write it to a file
 ///
@@ -61,7 +63,7 @@ pub(crate) struct FitArgs {
     #[arg(long, value_enum, default_value_t = Points::Means, value_name = "POINTS")]
     to: Points,
     /// Seconds ahead of a model of the next seconds, comma separated
-    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_name = "S")]
+    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_parser = numbers::horizon_s, value_name = "S")]
     horizons: Vec<f64>,
     /// Let a model of the next seconds know the slope ahead, if it does not come from the elevation of the same drive
     #[arg(long)]
@@ -70,6 +72,9 @@ pub(crate) struct FitArgs {
     #[arg(short, long, value_name = "FILE.json")]
     #[serde(skip)]
     output: PathBuf,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 /// Any model that can be fitted.
@@ -165,8 +170,9 @@ struct Fitted {
 }
 
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
-    output::check_file_place(&args.output)?;
     args.check()?;
+    args.require
+        .check(&Figures::new(include_str!("../../figures/fit.txt")))?;
     let inputs = inputs::load_once(&args.logs, context)?;
     let trips = if args.model.is_of_phases() {
         args.phases.trips(&inputs, context)?
@@ -199,21 +205,20 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
     let json = file.to_json()?;
     output::write_file(&args.output, |out| Ok(out.write_all(json.as_bytes())?))?;
     let residuals = fitted.residual_sum_of_squares;
+    let body = Body {
+        model: &file.model,
+        training_phases: file.training.phases,
+        training_points: file.training.points,
+        residual_sum_of_squares: residuals,
+        left_out_drives: &fitted.left_out,
+    };
+    let mut document = Document::new("fit", args, &inputs, body).beside(&prior_inputs);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => {
-            let body = Body {
-                model: &file.model,
-                training_phases: file.training.phases,
-                training_points: file.training.points,
-                residual_sum_of_squares: residuals,
-                left_out_drives: &fitted.left_out,
-            };
-            let document = Document::new("fit", args, &inputs, body);
-            output::print_json(&document.beside(&prior_inputs))?;
-        }
+        Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::text(args, &file, residuals))?,
     }
-    Ok(inputs.outcome().and(prior_inputs.outcome()))
+    Ok(inputs.outcome().and(prior_inputs.outcome()).and(outcome))
 }
 
 impl FitArgs {

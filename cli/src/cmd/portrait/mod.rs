@@ -17,6 +17,7 @@ use crate::output;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// One page about a driver
 ///
@@ -46,14 +47,16 @@ pub(crate) struct PortraitArgs {
     #[arg(long, value_name = "FILE.html")]
     #[serde(skip)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../../figures/portrait.txt")))?;
     let vehicle = args.vehicle.read()?;
     args.vehicle.mention(context);
-    if let Some(path) = &args.report {
-        output::check_file_place(path)?;
-    }
     let settings = args.phases.settings();
     let portrait_of = |inputs: &[Input]| {
         let drives: Vec<_> = inputs.iter().map(|input| &input.drive).collect();
@@ -80,7 +83,8 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         driver: portrait,
         fleet,
     };
-    let document = Document::new("portrait", args, &inputs, body).beside(&fleet_inputs);
+    let mut document = Document::new("portrait", args, &inputs, body).beside(&fleet_inputs);
+    let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = html::PORTRAIT.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
@@ -90,7 +94,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&document.body))?,
     }
-    Ok(inputs.outcome().and(fleet_inputs.outcome()))
+    Ok(inputs.outcome().and(fleet_inputs.outcome()).and(outcome))
 }
 
 #[derive(Serialize)]

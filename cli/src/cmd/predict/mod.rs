@@ -13,13 +13,15 @@ use serde::Serialize;
 
 use super::courses::courses;
 use super::left_out;
-use super::phases::{PhaseArgs, width_kmh};
+use super::phases::PhaseArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs;
+use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::{Figures, RequireArgs};
 
 /// Predict the phases, the speed ahead or whole trips of logs with a fitted model
 ///
@@ -45,14 +47,19 @@ pub(crate) struct PredictArgs {
     #[arg(long, value_name = "FILE.json")]
     model: PathBuf,
     /// Full width of the band around the measured speed, in km/h
-    #[arg(long, default_value_t = 3.0, value_parser = width_kmh, value_name = "KM/H")]
+    #[arg(long, default_value_t = 3.0, value_parser = numbers::width_kmh, value_name = "KM/H")]
     band: f64,
     /// Seconds ahead, comma separated [default: all of the model]
-    #[arg(long, value_delimiter = ',', value_name = "S")]
+    #[arg(long, value_delimiter = ',', value_parser = numbers::horizon_s, value_name = "S")]
     horizon: Vec<f64>,
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outcome> {
+    args.require
+        .check(&Figures::new(include_str!("../../figures/predict.txt")))?;
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
     let bandwidth_m = args.phases.settings().slope_bandwidth_m;
@@ -114,17 +121,17 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         }
     };
     left_out::mention(&left_out, context);
+    let body = Body {
+        logs: document,
+        left_out_drives: left_out,
+    };
+    let mut document = Document::new("predict", args, &inputs, body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => {
-            let body = Body {
-                logs: document,
-                left_out_drives: left_out,
-            };
-            output::print_json(&Document::new("predict", args, &inputs, body))?;
-        }
+        Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text)?,
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 #[derive(Serialize)]

@@ -15,11 +15,12 @@ use super::{SegmentArgs, figures};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, ReadingArgs};
 use crate::inputs;
-use crate::output::{check_file_place, note, print_json, print_text, write_file};
+use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
 use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
+use crate::require::Figures;
 
 /// The thesis takes as many, "to preserve the accuracy of the timing measurement".
 const FIRST_SAMPLES: usize = 3000;
@@ -55,21 +56,22 @@ struct Config<'a> {
 }
 
 pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outcome> {
-    if let Some(path) = &args.report {
-        check_file_place(path)?;
-    }
     let args = &SegmentArgs {
         first: args.first.or(Some(FIRST_SAMPLES)),
         method: args.method.with_segments(SegmentsArg::Number(80)),
         ..args.clone()
     };
+    args.require.check(&Figures::new(include_str!(
+        "../../figures/segment-compare.txt"
+    )))?;
     let methods = methods(args)?;
     let inputs = inputs::load(&args.logs, context)?;
     let logs = args.pieces(&inputs);
     let body = compared(&logs, &methods, context)?;
     let text = text(&body, &methods);
     let config = config(args);
-    let document = Document::new("segment-compare", &config, &inputs, body);
+    let mut document = Document::new("segment-compare", &config, &inputs, body);
+    let outcome = document.judged(&args.require)?;
     if let (Some(path), Some(log)) = (&args.report, logs.first()) {
         let mut report = serde_json::to_value(&document)?;
         report["figures"] = figures::of(log, args)?;
@@ -81,7 +83,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         Format::Json => print_json(&document)?,
         Format::Text => print_text(&text)?,
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 fn config(args: &SegmentArgs) -> Config<'_> {
@@ -133,9 +135,12 @@ fn compared<'a>(
     for log in logs {
         let mut figures = Methods::new();
         for (name, segmenter) in methods {
-            let of_method = segmenter
+            let mut of_method = segmenter
                 .figures(log)
                 .with_context(|| format!("{}, {name}", log.name()))?;
+            if let (Some(figures), true) = (&mut of_method, context.no_times) {
+                figures.seconds = f64::NAN;
+            }
             if of_method.is_none() {
                 let samples = log.len();
                 note(

@@ -6,6 +6,8 @@ use clap::{ArgMatches, Args, ValueEnum as _};
 use driver_model::{HeuristicRules, Method, Scaling, Segmenter, Segments, StatisticalRules};
 use serde::Serialize;
 
+use crate::numbers;
+
 use super::names::{
     CostName, MergeName, MethodName, RefillName, ScaleArg, SegmentsArg, StopName, pair,
 };
@@ -20,7 +22,7 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_name = "K|auto")]
     pub(super) segments: Option<SegmentsArg>,
     /// Least length of a segment of dynamic programming, in samples
-    #[arg(long, default_value_t = 5, value_name = "SAMPLES")]
+    #[arg(long, default_value_t = 5, value_parser = numbers::samples, value_name = "SAMPLES")]
     pub(super) min_length: usize,
     /// Dynamic programming may make fewer segments where that costs less
     #[arg(long)]
@@ -29,19 +31,19 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_enum)]
     cost: Option<CostName>,
     /// Highest cost of a merged segment [default: 0.2 for mean-deviation; the others have no useful one]
-    #[arg(long, value_name = "COST")]
+    #[arg(long, value_parser = numbers::cost, value_name = "COST")]
     pub(super) threshold: Option<f64>,
     /// When bottom-up stops
     #[arg(long, value_enum, default_value_t = StopName::Keogh)]
     stop: StopName,
     /// Window of SWAB, in samples
-    #[arg(long, default_value_t = 100, value_name = "SAMPLES")]
+    #[arg(long, default_value_t = 100, value_parser = numbers::samples, value_name = "SAMPLES")]
     pub(super) window: usize,
     /// How SWAB refills its window
     #[arg(long, value_enum, default_value_t = RefillName::Keogh)]
     refill: RefillName,
     /// Weights of speed and acceleration
-    #[arg(long, value_delimiter = ',', num_args = 1, default_values_t = [1.8, 1.0], value_name = "V,A")]
+    #[arg(long, value_delimiter = ',', num_args = 1, default_values_t = [1.8, 1.0], value_parser = numbers::weight, value_name = "V,A")]
     pub(super) weights: Vec<f64>,
     /// Scaling of speed and acceleration before segmentation: none; zscore, range or max of each log; or fixed
     /// divisors in m/s and m/s², such as 18,1.6 [default: range; 18,1.6 with --follow]
@@ -52,10 +54,10 @@ pub(crate) struct MethodArgs {
     merge: Option<MergeName>,
     /// Neighbours above this similarity are merged; for the means, magnitude and difference in m/s² [default: 0.64 for
     /// percentile, 0.005 for association, 0.4,0.55 for mean and mean-literal]
-    #[arg(long, value_delimiter = ',', num_args = 1, value_name = "J|M,D")]
+    #[arg(long, value_delimiter = ',', num_args = 1, value_parser = numbers::similarity, value_name = "J|M,D")]
     similarity: Option<Vec<f64>>,
     /// Acceleration under this magnitude counts as 0, in m/s²
-    #[arg(long, default_value_t = 0.4, value_name = "M/S2")]
+    #[arg(long, default_value_t = 0.4, value_parser = numbers::deadband_mps2, value_name = "M/S2")]
     pub(super) accel_deadband: f64,
 }
 
@@ -135,6 +137,9 @@ impl MethodArgs {
                 refill: self.refill.into(),
             },
         };
+        if self.weights.iter().all(|weight| *weight <= 0.0) {
+            bail!("--weights: one of the two has to be above 0, such as 1.8,1");
+        }
         let defaults = StatisticalRules::default();
         Ok(StatisticalRules {
             accel_deadband_mps2: self.accel_deadband,

@@ -22,9 +22,11 @@ use crate::cmd::left_out;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
-use crate::output::{check_file_place, note, print_json, print_text, write_file};
+use crate::numbers;
+use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
 use crate::render::json::Document;
+use crate::require::{Figures, RequireArgs};
 use flags::MethodArgs;
 
 pub(crate) use flags::refuse_idle;
@@ -51,7 +53,7 @@ pub(crate) struct SegmentArgs {
     #[serde(flatten)]
     method: MethodArgs,
     /// Only the first samples of each log [default: all; 3000 with --compare]
-    #[arg(long, value_name = "SAMPLES", value_parser = at_least_one)]
+    #[arg(long, value_name = "SAMPLES", value_parser = numbers::samples)]
     first: Option<usize>,
     /// Draw speed with coloured phases
     #[arg(long, value_name = "FILE.svg")]
@@ -72,16 +74,12 @@ pub(crate) struct SegmentArgs {
     report: Option<PathBuf>,
     /// Segment canonical CSV from stdin while it is written, and print each segment when it has ended. Samples must be
     /// --step apart; a gap over --max-gap starts a new piece
-    #[arg(long, conflicts_with_all = ["plot", "first"], help_heading = "Streams")]
+    #[arg(long, conflicts_with_all = ["plot", "first", "require"], help_heading = "Streams")]
     #[serde(skip)]
     follow: bool,
-}
-
-fn at_least_one(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(0) | Err(_) => Err("expected a number of samples, at least 1".to_owned()),
-        Ok(samples) => Ok(samples),
-    }
+    #[command(flatten)]
+    #[serde(skip)]
+    require: RequireArgs,
 }
 
 pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outcome> {
@@ -95,10 +93,9 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     if args.compare {
         return compare::run(args, context);
     }
+    args.require
+        .check(&Figures::new(include_str!("../../figures/segment.txt")))?;
     let segmenter = args.method.segmenter()?;
-    if let Some(path) = &args.plot {
-        check_file_place(path)?;
-    }
     let inputs = inputs::load(&args.logs, context)?;
     let (logs, left_out) = long_enough(args.pieces(&inputs), &segmenter)?;
     left_out::mention(&left_out, context);
@@ -123,18 +120,18 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
         note(context, &format!("picture written to {}", path.display()));
     }
+    let entries = logs.iter().zip(&segmented);
+    let body = output::Body {
+        logs: entries.map(|(log, s)| output::Entry::new(log, s)).collect(),
+        left_out_drives: &left_out,
+    };
+    let mut document = Document::new("segment", args, &inputs, body);
+    let outcome = document.judged(&args.require)?;
     match context.format {
-        Format::Json => {
-            let entries = logs.iter().zip(&segmented);
-            let body = output::Body {
-                logs: entries.map(|(log, s)| output::Entry::new(log, s)).collect(),
-                left_out_drives: &left_out,
-            };
-            print_json(&Document::new("segment", args, &inputs, body))?;
-        }
+        Format::Json => print_json(&document)?,
         Format::Text => print_text(&output::text(&inputs, &logs, &segmented))?,
     }
-    Ok(inputs.outcome())
+    Ok(inputs.outcome().and(outcome))
 }
 
 /// Pieces of drives, as a segmentation sees them.

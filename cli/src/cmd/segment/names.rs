@@ -139,12 +139,12 @@ impl FromStr for ScaleArg {
                 text.trim()
                     .parse()
                     .ok()
-                    .filter(|x: &f64| x.is_normal() && *x > 0.0)
+                    .filter(|x: &f64| (1e-6..=1e6).contains(x))
             };
             Some((divisor(speed)?, divisor(accel)?))
         });
         let (speed_mps, accel_mps2) = divisors.ok_or(
-            "expected none, zscore, range, max, or two positive numbers such as 18,1.6 (m/s and m/s²)",
+            "expected none, zscore, range, max, or two numbers from 1e-6 to 1e6 such as 18,1.6 (m/s and m/s²)",
         )?;
         Ok(Self(Scaling::Fixed {
             speed_mps,

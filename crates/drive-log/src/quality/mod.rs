@@ -21,6 +21,8 @@ mod time;
 mod time_unit;
 mod unit_change;
 
+pub(crate) use range::plausible;
+
 use std::ops::Range;
 
 use crate::{Action, Channel, Finding, FindingKind, RawLog};

@@ -4,7 +4,7 @@ use super::Checked;
 use crate::{Action, Channel, FindingKind};
 
 /// What a road vehicle can have, in SI units; wide enough for every one of them.
-fn plausible(channel: Channel) -> (f64, f64) {
+pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
     match channel {
         // −72 km/h in reverse to the land speed of production cars
         Channel::Speed | Channel::LeadSpeed => (-20.0, 150.0),

@@ -1,5 +1,6 @@
 use drive_log::{Channel, DriveLog};
 
+use crate::grid::{above, at_least, below};
 use crate::lead;
 
 /// Which stretches count as cruising.
@@ -81,8 +82,8 @@ pub fn cruise_stretches(log: &DriveLog, settings: &CruiseSettings) -> Vec<Cruise
     let cruises = |k: usize| {
         let (from, to) = (k.saturating_sub(reach), (k + reach).min(speed.len() - 1));
         let accel_mps2 = (speed[to] - speed[from]) / ((to - from).max(1) as f64 * log.step_s());
-        speed[k] > settings.least_speed_mps
-            && accel_mps2.abs() < settings.accel_threshold_mps2
+        above(speed[k], settings.least_speed_mps)
+            && below(accel_mps2.abs(), settings.accel_threshold_mps2)
             && !gap_m.is_some_and(|gap| lead::is_near(gap[k], speed[k]))
     };
     let mut stretches = Vec::new();
@@ -105,7 +106,7 @@ pub fn cruise_stretches(log: &DriveLog, settings: &CruiseSettings) -> Vec<Cruise
             speed_mps: speed[start..end].to_vec(),
             limit_mps: own_limit,
         };
-        if end - start >= 2 && stretch.duration_s() >= settings.min_duration_s {
+        if end - start >= 2 && at_least(stretch.duration_s(), settings.min_duration_s) {
             stretches.push(stretch);
         }
         start = end;

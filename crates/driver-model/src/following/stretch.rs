@@ -3,6 +3,7 @@ use std::ops::{Range, RangeInclusive};
 use drive_log::{Channel, DriveLog};
 
 use crate::INFLUENCE_GAP_S;
+use crate::grid::{above, at_least, below};
 
 /// Which stretches count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,7 +117,7 @@ pub fn following_stretches(log: &DriveLog, settings: &FollowingSettings) -> Vec<
             continue;
         }
         let duration_s = end.saturating_sub(start + 1) as f64 * log.step_s();
-        if end - start >= 2 && duration_s >= settings.min_duration_s - 1e-9 {
+        if end - start >= 2 && at_least(duration_s, settings.min_duration_s) {
             stretches.push(recording.cut(start..end));
         }
         start = end + 1;
@@ -135,7 +136,7 @@ impl Recording<'_> {
         let (speed_mps, gap_m) = (self.log.speed_mps()[k], self.gap_m[k]);
         PLAUSIBLE_MPS.contains(&speed_mps)
             && gap_m > 0.0
-            && gap_m < INFLUENCE_GAP_S * speed_mps.max(SLOW_MPS)
+            && below(gap_m, INFLUENCE_GAP_S * speed_mps.max(SLOW_MPS))
             && !self.changes_leader(k)
     }
 
@@ -149,14 +150,14 @@ impl Recording<'_> {
             .map(|i| 0.5 * (self.recorded_relative_mps(i) + self.recorded_relative_mps(i + 1)))
             .sum();
         if relative_mps.is_finite() {
-            return (after_m - before_m - relative_mps * step_s).abs() > CHANGE_M;
+            return above((after_m - before_m - relative_mps * step_s).abs(), CHANGE_M);
         }
         if last - k != k - first {
             return false;
         }
         let window_s = half as f64 * step_s;
         let possible_m = CHANGE_M + MAX_RELATIVE_ACCEL_MPS2 * window_s * window_s;
-        (after_m - 2.0 * self.gap_m[k] + before_m).abs() > possible_m
+        above((after_m - 2.0 * self.gap_m[k] + before_m).abs(), possible_m)
     }
 
     /// NaN where the leader's speed is not recorded.

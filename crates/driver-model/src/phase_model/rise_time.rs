@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use crate::grid::at_least;
 use crate::{Error, TrainingSet};
 
 /// Start and end speed of a phase, each in one of three bands: 0–50, 50–100 and from 100 km/h (Table 3.8).
@@ -16,7 +17,7 @@ const BAND_NAMES: [&str; 3] = ["0–50", "50–100", "100–300"];
 
 fn band(speed_mps: f64) -> u8 {
     let kmh = speed_mps * 3.6;
-    u8::from(kmh >= 50.0) + u8::from(kmh >= 100.0)
+    u8::from(at_least(kmh, 50.0)) + u8::from(at_least(kmh, 100.0))
 }
 
 impl SpeedGroup {

@@ -10,7 +10,8 @@ use anyhow::bail;
 use clap::Args;
 use drive_log::{Channel, DriveLog};
 use driver_model::trajectory::{
-    DirectKind, DirectSettings, TrajectoryData, TrajectorySettings, evaluate_trajectory,
+    DirectKind, DirectSettings, TrajectoryData, TrajectoryEvaluation, TrajectorySettings, Trial,
+    evaluate_trajectory,
 };
 use driver_model::{FreeRunSettings, LeftOut};
 use ev_energy::Vehicle;
@@ -20,8 +21,10 @@ use super::hold_out::Units;
 use super::{EvaluateArgs, EvaluatedModel};
 use crate::cmd::courses::courses;
 use crate::cmd::left_out;
+use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::{Input, Inputs};
+use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::html;
@@ -32,27 +35,27 @@ use crate::words::plural;
 #[command(next_help_heading = "Trajectory")]
 pub(super) struct TrajectoryArgs {
     /// Seconds ahead, comma separated
-    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_name = "S")]
+    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_parser = numbers::horizon_s, value_name = "S")]
     horizons: Vec<f64>,
     /// Number of folds: every so many units are held out together
-    #[arg(long, default_value_t = TrajectorySettings::default().folds, value_name = "N")]
+    #[arg(long, default_value_t = TrajectorySettings::default().folds, value_parser = numbers::folds, value_name = "N")]
     folds: usize,
     /// Let models know the slope ahead. Not with elevation recorded on the same drive: its errors tell where the car stood
     #[arg(long)]
     slope_ahead: bool,
     /// Most training samples of a model
-    #[arg(long, default_value_t = DirectSettings::default().max_samples, value_name = "N")]
+    #[arg(long, default_value_t = DirectSettings::default().max_samples, value_parser = numbers::samples, value_name = "N")]
     max_samples: usize,
 }
 
 impl EvaluateArgs {
-    /// Evaluates, prints, and returns the document.
+    /// Evaluates and prints.
     pub(super) fn evaluate_trajectory(
         &self,
         inputs: &Inputs,
         vehicle: &Vehicle,
         context: &Context,
-    ) -> anyhow::Result<serde_json::Value> {
+    ) -> anyhow::Result<Outcome> {
         let mut settings = self.trajectory_settings()?;
         let units = self.hold_out.units(inputs, context)?;
         let (data, left_out) = self
@@ -61,8 +64,11 @@ impl EvaluateArgs {
         left_out::mention(&left_out, context);
         settings.folds = folds(settings.folds, &data, &left_out, context)?;
         let progress = Progress::new(context, "evaluating", settings.steps(&data));
-        let evaluation = evaluate_trajectory(&data, vehicle, &settings, &|| progress.step())?;
+        let mut evaluation = evaluate_trajectory(&data, vehicle, &settings, &|| progress.step())?;
         drop(progress);
+        if context.no_times {
+            forget_times(&mut evaluation);
+        }
         for (model, reason) in &evaluation.left_out {
             output::note(context, &format!("`{model}` is left out: {reason}"));
         }
@@ -88,15 +94,20 @@ impl EvaluateArgs {
         body.default_vehicle = self.vehicle.by_default();
         body.left_out_drives = &left_out;
         body.not_evaluated = not_evaluated;
-        let document = Document::new("evaluate", self, inputs, body);
-        let figures = serde_json::to_value(&document)?;
+        let mut document = Document::new("evaluate", self, inputs, body);
+        let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
             let bandwidth_m = free_run_settings.slope_bandwidth_m;
             let curve = free_runs
                 .as_ref()
                 .map(|runs| free_run::curve(inputs, runs, bandwidth_m));
             let curve = curve.transpose()?.flatten();
-            let shown = document::with_curves(figures.clone(), &data, &evaluation, curve.as_ref());
+            let shown = document::with_curves(
+                serde_json::to_value(&document)?,
+                &data,
+                &evaluation,
+                curve.as_ref(),
+            );
             let page = html::TRAJECTORY.filled(&shown);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
@@ -113,7 +124,18 @@ impl EvaluateArgs {
                 ))?;
             }
         }
-        Ok(figures)
+        Ok(outcome)
+    }
+
+    /// Of the models that are evaluated, baselines and trials.
+    pub(super) fn direct_names(&self) -> anyhow::Result<Vec<String>> {
+        let models = self.trajectory_settings()?.models.into_iter();
+        let baselines = DirectKind::ALL
+            .into_iter()
+            .filter(|kind| kind.is_baseline());
+        let kinds = models.chain(baselines).map(|kind| kind.name().to_owned());
+        let trials = Trial::ALL.map(|trial| format!("trial-{}", trial.number()));
+        Ok(kinds.chain(trials).collect())
     }
 
     fn trajectory_settings(&self) -> anyhow::Result<TrajectorySettings> {
@@ -196,5 +218,16 @@ fn without_limits(inputs: &[Input]) -> String {
              give those logs alone to use them",
             plural(pieces().count(), "drive")
         ),
+    }
+}
+
+/// Of fitting and predicting, which differ from run to run.
+fn forget_times(evaluation: &mut TrajectoryEvaluation) {
+    for row in &mut evaluation.rows {
+        (row.fit_seconds, row.predict_seconds) = (f64::NAN, f64::NAN);
+    }
+    let trials = evaluation.trials.iter_mut();
+    for fitted in trials.flat_map(|trial| &mut trial.fits) {
+        fitted.fit.seconds = f64::NAN;
     }
 }
