@@ -62,9 +62,11 @@ pub struct Checked {
 /// | pinned | one value over 50 W for half of the heating channel and 300 s | channel dropped |
 /// | contradicted | at standstill the battery delivers less than heating and auxiliaries, for half of the time that the heating claims power | channel dropped |
 /// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
+/// | held | values repeated in rows until the sensor gives the next one | the line between updates |
+/// | quantised | a speed in coarse steps | smoothed within half a step |
+/// | noise | an elevation that scatters by over 2 m | none here; the slope is taken over longer windows |
 ///
-/// A standstill, a cruise control, a channel in coarse steps and a speed that repeats at 1 Hz are
-/// nothing of this.
+/// A standstill, a cruise control and a channel in coarse steps are nothing of this.
 pub fn check(log: RawLog) -> Checked {
     let findings = log.findings.clone();
     let mut checked = Checked {
