@@ -106,8 +106,8 @@ fn a_damaged_parquet() {
 
 #[test]
 fn an_unknown_unit() {
-    let text = "time_s,speed_knots\n".to_owned() + &rows(100, |i| format!("{i},5"));
-    refused("unit.csv", text.as_bytes(), &["speed_knots"]);
+    let text = "time_s,speed_furlongs\n".to_owned() + &rows(100, |i| format!("{i},5"));
+    refused("unit.csv", text.as_bytes(), &["speed_furlongs"]);
 }
 
 #[test]

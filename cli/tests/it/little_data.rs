@@ -134,8 +134,8 @@ fn cruising_is_evaluated_where_nobody_accelerates() {
 
 #[test]
 fn drives_with_nothing_to_evaluate_are_refused_by_name() {
-    let standing = || log("speed_mps", 30, |_| "0".to_owned());
-    let logs = folder(&[("a", standing()), ("b", standing())]);
+    let standing = |seconds| log("speed_mps", seconds, |_| "0".to_owned());
+    let logs = folder(&[("a", standing(30)), ("b", standing(40))]);
     drivekit(&["evaluate", path(&logs)]).refused(&[
         "nothing to evaluate",
         "\n  a: ",

@@ -136,7 +136,7 @@ fn a_broken_log_stops_the_run_or_is_skipped_on_request() {
     write(folder.path(), "a.csv", log(1));
     write(folder.path(), "b.csv", log(2).replace("1.5,", "1.5,fast"));
     write(folder.path(), "c.csv", "time_s,speed_mps\n");
-    write(folder.path(), "d.csv", "time_s,speed_knots\n0,1\n1,2\n");
+    write(folder.path(), "d.csv", "time_s,speed_furlongs\n0,1\n1,2\n");
     write(folder.path(), "e.csv", log(3));
     let broken = ["b.csv", "c.csv", "d.csv"];
     let stopped = inspect(folder.path(), &["."]);
