@@ -7,7 +7,7 @@ mod reading;
 
 use std::collections::BTreeMap;
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow, bail};
 use drive_log::{Drive, Finding, LayoutChoice, LogFile, Preparation};
