@@ -55,7 +55,39 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     }
     let _ = writeln!(
         anstream::stderr().lock(),
-        "\u{1b}[1;31merror:\u{1b}[0m {error:#}"
+        "\u{1b}[1;31merror:\u{1b}[0m {}",
+        said(error)
     );
     ExitCode::from(2)
+}
+
+/// An error and its causes, but for those that are in what was said before.
+fn said(error: &anyhow::Error) -> String {
+    let mut said = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if said.is_empty() {
+            said = cause;
+        } else if !said.contains(&cause) {
+            said.push_str(": ");
+            said.push_str(&cause);
+        }
+    }
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::anyhow;
+
+    use super::said;
+
+    #[test]
+    fn what_an_error_says_of_its_cause_is_not_said_twice() {
+        let error = anyhow!("no such file")
+            .context("a.csv: no such file")
+            .context("replay");
+        assert_eq!(said(&error), "replay: a.csv: no such file");
+        let error = anyhow!("line 3").context("a.toml");
+        assert_eq!(said(&error), "a.toml: line 3");
+    }
 }

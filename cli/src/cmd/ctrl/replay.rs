@@ -7,6 +7,7 @@ use testbed_io::recorded::{self, RecordingLayout};
 use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
+use super::run::{verdict, why_not_known};
 use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -17,7 +18,7 @@ use crate::render::table::{Table, number};
 /// Every decision of a run log once more, or controllers beside recorded poses
 ///
 /// A run log holds the poses that arrived and all settings, so that every decision is repeated and compared bit for bit; exit
-/// code 1 says that one differs. With --poses the controllers decide at every step beside robots that were recorded elsewhere
+/// code 1 says that one differs or that the run was unsafe, 2 that it is not known whether it was safe. With --poses the controllers decide at every step beside robots that were recorded elsewhere
 /// and do what they did: are poses like these good enough, and what would the controllers have done?
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
@@ -82,7 +83,6 @@ pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcom
 struct Again<'a> {
     scenario: &'a str,
     testbed: &'a str,
-    truncated: bool,
     #[serde(flatten)]
     replay: &'a Replay,
 }
@@ -99,10 +99,9 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
     let body = Again {
         scenario: &log.spec.scenario.name,
         testbed: &log.spec.scenario.testbed,
-        truncated: table.truncated(),
         replay: &replay,
     };
-    if body.truncated {
+    if replay.truncated {
         output::note(
             context,
             &format!("{} is cut off; what is whole was replayed", file.display()),
@@ -112,11 +111,21 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
         Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
         Format::Text => output::print_text(&again_text(&replay))?,
     }
-    Ok(if replay.different == 0 {
-        Outcome::Done
-    } else {
-        Outcome::Negative
-    })
+    if replay.different > 0 {
+        return Ok(Outcome::Negative);
+    }
+    outcome(replay.verdict, &replay.doubts)
+}
+
+fn outcome(verdict: Verdict, doubts: &[String]) -> anyhow::Result<Outcome> {
+    match verdict {
+        Verdict::Safe => Ok(Outcome::Done),
+        Verdict::Unsafe => Ok(Outcome::Negative),
+        Verdict::NotKnown => anyhow::bail!(
+            "whether the robots were safe is not known: {}",
+            why_not_known(doubts)
+        ),
+    }
 }
 
 fn again_text(replay: &Replay) -> String {
@@ -127,9 +136,10 @@ fn judged(replay: &Replay) -> String {
     let verdict = match (replay.verdict, replay.first_unsafe_s) {
         (Verdict::Safe, _) => "the robots were safe at the steps of the log".to_owned(),
         (_, Some(time_s)) => format!("the robots were UNSAFE from {time_s:.2} s on"),
-        (_, None) => {
-            "whether the robots were safe is not known: the log has no place of any".to_owned()
-        }
+        (_, None) => format!(
+            "NOT KNOWN whether the robots were safe: {}",
+            why_not_known(&replay.doubts)
+        ),
     };
     match &replay.least_distance {
         Some(least) => format!(
@@ -214,7 +224,7 @@ fn beside(
         Format::Json => output::print_json(&Document::new("ctrl-replay", args, &[], body))?,
         Format::Text => output::print_text(&beside_text(&body))?,
     }
-    Ok(Outcome::Done)
+    outcome(summary.verdict, &[])
 }
 
 fn beside_text(body: &Beside) -> String {
@@ -233,12 +243,13 @@ fn beside_text(body: &Beside) -> String {
         ]);
     }
     format!(
-        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n",
+        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n{}\n",
         table.render(),
         body.summary.steps,
         body.rate_hz,
         number(body.r#loop.median_us, 2),
         number(body.r#loop.p99_us, 2),
-        body.r#loop.missed
+        body.r#loop.missed,
+        verdict(body.summary, &[])
     )
 }
