@@ -154,8 +154,8 @@ fn controllers_beside_recorded_robots_that_touch_say_so() {
     let folder = tempfile::tempdir().unwrap();
     for (apart_m, code, verdict) in [(0.05, 1, "UNSAFE from 0.00 s on"), (0.8, 0, "safe: ")] {
         let row = |step: u32| {
-            let time_s = 0.02 * f64::from(step);
-            let angle = 0.2 * time_s;
+            let time_s = 0.1 * f64::from(step);
+            let angle = std::f64::consts::TAU * time_s / 50.0;
             let at = |angle: f64, robot: u32| {
                 let (sin, cos) = angle.sin_cos();
                 let heading_rad = angle + std::f64::consts::FRAC_PI_2;

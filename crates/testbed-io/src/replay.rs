@@ -189,6 +189,8 @@ struct Session<'a> {
     link: &'a LinkSpec,
     measured: Measured<'a>,
     told: Vec<Told>,
+    /// Of which the newest poses were not believed
+    disbelieved: Vec<bool>,
 }
 
 impl<'a> Judging<'a> {
@@ -198,6 +200,7 @@ impl<'a> Judging<'a> {
             link,
             measured: Measured::new(scenario, link.is_told()),
             told: vec![Told::new(wheel_base_m); scenario.starts().len()],
+            disbelieved: vec![false; scenario.starts().len()],
         });
         Self {
             scenario,
@@ -221,11 +224,8 @@ impl<'a> Judging<'a> {
         for (robot, seen) in seen {
             session.measured.saw(robot, seen, told_m, &mut self.summary);
         }
-        for row in rows.iter().filter(|row| row.disbelieved_s.is_some()) {
-            session
-                .measured
-                .sights()
-                .doubt(Doubt::Disbelieved(row.robot));
+        for row in rows {
+            session.disbelieved[row.robot] = row.disbelieved_s.is_some();
         }
     }
 
@@ -242,13 +242,15 @@ impl<'a> Judging<'a> {
 
     fn finished(mut self, time_s: f64, truncated: bool) -> (Summary, Vec<String>) {
         let mut doubts = Vec::new();
-        if let Some(Session {
-            link,
-            mut measured,
-            told,
-        }) = self.session
-        {
+        if let Some(session) = self.session {
+            let (mut measured, told) = (session.measured, session.told);
+            for (robot, disbelieved) in session.disbelieved.into_iter().enumerate() {
+                if disbelieved {
+                    measured.sights().doubt(Doubt::Disbelieved(robot));
+                }
+            }
             measured.over(time_s, |robot, time_s| told[robot].until(time_s).path_m);
+            let link = session.link;
             let texts = measured.sights().doubts().iter();
             doubts.extend(texts.map(|doubt| doubt.text(&link.robots)));
         }

@@ -193,6 +193,11 @@ impl<'a> Drive<'a> {
         let untold = self.link.stop();
         self.pass_notes(update);
         self.judge_arrived();
+        for robot in 0..self.convoy.robots() {
+            if self.contradictions.lasted_s(robot).is_some() {
+                self.judge.sights().doubt(Doubt::Disbelieved(robot));
+            }
+        }
         let watch = &self.watch;
         let told_m = |robot: usize, time_s: f64| watch.told_m(robot, time_s);
         self.judge.over(self.now_s, told_m);
@@ -274,9 +279,6 @@ impl<'a> Drive<'a> {
     fn look_for_contradictions(&mut self, update: &mut impl FnMut(Update)) {
         self.link.inbox.disbelieved(&mut self.contradictions.now);
         for robot in 0..self.convoy.robots() {
-            if self.contradictions.lasted_s(robot).is_some() {
-                self.judge.sights().doubt(Doubt::Disbelieved(robot));
-            }
             if let Some(note) = self.contradictions.note(robot) {
                 update(Update::Note(&note));
             }

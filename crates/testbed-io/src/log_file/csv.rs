@@ -2,8 +2,8 @@
 //!
 //! The last column is `about`. In the first row it says what the run is, as JSON: types of the columns (f, i or t), a check, and
 //! the metadata. In every other row it is `crc ` and a check: the CRC-32 of all fields from the first name up to this row, so
-//! that the first line that was changed or lost is known. A log without rows has one row in which nothing but `about` stands. Before the check of
-//! the last row stands `end `, unless the log was written while the run went on.
+//! that the first line that was changed or lost is known. A log without rows has one row in which nothing but `about` stands. After the check of
+//! the last row stands ` end`, unless the log was written while the run went on.
 //!
 //! Logs of before begin with `# drivekit run log 1 ` and the metadata and `# types ` and the types; they are still read.
 
@@ -18,7 +18,7 @@ use super::records::{Records, check_fields, header, line, push, text};
 use super::{Column, DAMAGED, Flaw, Kind, LogTable, Values, shortened, table};
 
 const ABOUT: &str = "about";
-const END: &str = "end ";
+const END: &str = " end";
 const FOREIGN: &str = "only CSV files that drivekit logged are read, with their column `about`";
 
 pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
@@ -88,7 +88,7 @@ impl<W: Write> Sheet<W> {
 
     fn about(&mut self, is_empty: bool, mark: &str) -> io::Result<()> {
         let text = if self.is_begun {
-            format!("{mark}{}", self.check.text())
+            format!("{}{mark}", self.check.text())
         } else {
             self.is_begun = true;
             About::text(&self.types, &mut self.check, is_empty, &self.meta)
@@ -220,7 +220,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
                 return Err(Flaw::at(line(&record), found, DAMAGED));
             }
             let written = last(&record);
-            let unmarked = written.strip_prefix(END.as_bytes());
+            let unmarked = written.strip_suffix(END.as_bytes());
             is_end = unmarked.is_some();
             agree(&check, &record, unmarked.unwrap_or(written))?;
         }
