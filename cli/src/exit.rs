@@ -76,3 +76,20 @@ pub(crate) fn told(error: &anyhow::Error) -> String {
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use anyhow::anyhow;
+
+    use super::told;
+
+    #[test]
+    fn what_an_error_says_of_its_cause_is_not_said_twice() {
+        let error = anyhow!("no such file")
+            .context("a.csv: no such file")
+            .context("replay");
+        assert_eq!(told(&error), "replay: a.csv: no such file");
+        let error = anyhow!("line 3").context("a.toml");
+        assert_eq!(told(&error), "a.toml: line 3");
+    }
+}

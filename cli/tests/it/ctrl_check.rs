@@ -245,3 +245,20 @@ fn the_thesis_scenarios_in_which_robots_touch_end_with_exit_code_1() {
         assert!(run.stdout.contains("UNSAFE from"), "{}", run.stdout);
     }
 }
+
+#[test]
+fn robots_that_start_on_each_other_are_an_error_with_every_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "khepera", "straight", |line| {
+        let is_start = line.starts_with("start = ");
+        Some(if is_start { "start = 0.05" } else { line }.to_owned())
+            .filter(|line| !line.starts_with("start_deviation_m"))
+    });
+    let text = std::fs::read_to_string(folder.path().join("mine.toml")).unwrap();
+    let text = text.replacen("start = 0.05", "start = 0.06", 1);
+    std::fs::write(folder.path().join("mine.toml"), text).unwrap();
+    for preset in ["thesis", "hardened"] {
+        let out = check(folder.path(), &["--preset", preset]);
+        out.refused(&["robot 1 starts 0.010 m from robot 0"]);
+    }
+}

@@ -67,6 +67,11 @@ const ALLOWED: (&str, Read) = ("allowed_speed_mps", |t| {
     t.watched.and_then(|w| w.allowed_mps).unwrap_or(f64::NAN)
 });
 
+/// For how long poses of a robot have contradicted where a live session took it to be.
+const DISBELIEVED: (&str, Read) = ("disbelieved_s", |t| {
+    t.watched.and_then(|w| w.disbelieved_s).unwrap_or(f64::NAN)
+});
+
 type Read = fn(&Tick) -> f64;
 
 /// What arrived; together with the settings it determines every decision.
@@ -204,6 +209,7 @@ impl Columns {
         columns.push(column("outcome", Values::Text(outcomes.collect())));
         columns.extend(SEEN.iter().map(named));
         columns.push(named(&ALLOWED));
+        columns.push(named(&DISBELIEVED));
         columns.extend(DECIDED.iter().map(named));
         columns.extend(KNOWN.iter().map(named));
         let clearance = |t: &Tick| t.lane_clearance_m(self.half_width_m).unwrap_or(f64::NAN);
@@ -226,6 +232,10 @@ pub struct RunLog {
     pub spec: RunSpec,
     /// One entry per tick, in the order of the file
     pub rows: Vec<LoggedTick>,
+    /// Whether the end of the file was missing
+    pub truncated: bool,
+    /// Whether the file says where it ends
+    pub states_its_end: bool,
 }
 
 /// A row of a run log.
@@ -241,6 +251,8 @@ pub struct LoggedTick {
     pub seen: Option<StampedPose>,
     /// What a live session let it drive at most, in m/s
     pub allowed_mps: Option<f64>,
+    /// For how long its poses contradicted where a live session took it to be, in s
+    pub disbelieved_s: Option<f64>,
     /// Where its point of interest truly was, or was measured
     pub place: Option<State>,
     /// Outcome as text
@@ -259,11 +271,8 @@ impl RunLog {
         let robots = integers(table, "robot")?;
         let times_s = floats(table, "time_s")?;
         let outcomes = texts(table, "outcome")?;
-        let (name, _) = ALLOWED;
-        let allowed = table
-            .column(name)
-            .map(|_| floats(table, name))
-            .transpose()?;
+        let allowed = if_there(table, ALLOWED.0)?;
+        let disbelieved = if_there(table, DISBELIEVED.0)?;
         let seen: Vec<&[f64]> = SEEN
             .iter()
             .map(|(name, _)| floats(table, name))
@@ -289,17 +298,33 @@ impl RunLog {
                     robot: index(robots[row], "robot")?,
                     time_s: times_s[row],
                     seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
-                    allowed_mps: allowed
-                        .map(|column| column[row])
-                        .filter(|most| !most.is_nan()),
+                    allowed_mps: value(allowed, row),
+                    disbelieved_s: value(disbelieved, row),
                     place: places.as_ref().and_then(|columns| place(columns, row)),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),
                 })
             })
             .collect::<Result<_, Error>>()?;
-        Ok(Self { spec, rows })
+        Ok(Self {
+            spec,
+            rows,
+            truncated: table.truncated(),
+            states_its_end: table.states_its_end(),
+        })
     }
+}
+
+/// A column that logs of before or of simulations do not have.
+fn if_there<'a>(table: &'a LogTable, name: &'static str) -> Result<Option<&'a [f64]>, Error> {
+    let column = table.column(name);
+    column.map(|_| floats(table, name)).transpose()
+}
+
+fn value(column: Option<&[f64]>, row: usize) -> Option<f64> {
+    column
+        .map(|column| column[row])
+        .filter(|value| !value.is_nan())
 }
 
 fn floats<'a>(table: &'a LogTable, name: &'static str) -> Result<&'a [f64], Error> {

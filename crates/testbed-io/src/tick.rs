@@ -43,6 +43,8 @@ pub struct Watched {
     pub innovation_heading_rad: f64,
     /// What it may drive at most, in m/s: less of a robot that differs, 0 of one that stands for it or waits for its turn
     pub allowed_mps: Option<f64>,
+    /// For how long its poses have said that it is where it cannot be, in s, if they do
+    pub disbelieved_s: Option<f64>,
 }
 
 /// What figures and columns of the run log are read from; NaN where there is nothing.

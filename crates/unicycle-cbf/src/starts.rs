@@ -28,11 +28,11 @@ impl Scenario {
         Ok(())
     }
 
-    /// Of controllers that regard every robot: all stand apart, and whoever follows has its standstill gap.
+    /// No robot starts on another one; with controllers that regard every robot, all stand apart, and whoever follows has its standstill gap.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
         let controller = self.controller();
         if !controller.settings().hardening.regards_every_robot() {
-            return Ok(());
+            return self.check_bodies();
         }
         let state = |pose: &Pose| pose.state(controller.body().offset_m, Speeds::ZERO);
         let moving = |robot: usize, pose: &Pose| {
@@ -65,6 +65,22 @@ impl Scenario {
                         headway.standstill_m,
                     ),
                 });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_bodies(&self) -> Result<(), Error> {
+        let radius_m = self.controller().body().radius_m();
+        for (robot, own) in self.starts().iter().enumerate() {
+            for (other, place) in self.starts()[..robot].iter().enumerate() {
+                let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
+                if apart_m < 2.0 * radius_m {
+                    let what = format!(
+                        "starts {apart_m:.3} m from robot {other}, and on it: both have a radius of {radius_m:.3} m"
+                    );
+                    return Err(Error::Start { robot, what });
+                }
             }
         }
         Ok(())

@@ -7,7 +7,7 @@ use testbed_io::recorded::{self, RecordingLayout};
 use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-use super::run::forget_times;
+use super::run::{forget_times, verdict, why_not_known};
 use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -19,7 +19,7 @@ use crate::require::{Figures, RequireArgs};
 /// Every decision of a run log once more, or controllers beside recorded poses
 ///
 /// A run log holds the poses that arrived and all settings, so that every decision is repeated and compared bit for bit; exit
-/// code 1 says that one differs. With --poses the controllers decide at every step beside robots that were recorded elsewhere
+/// code 1 says that one differs or that the run was unsafe, 2 that it is not known whether it was safe. With --poses the controllers decide at every step beside robots that were recorded elsewhere
 /// and do what they did: are poses like these good enough, and what would the controllers have done?
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
@@ -89,7 +89,6 @@ pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcom
 struct Again<'a> {
     scenario: &'a str,
     testbed: &'a str,
-    truncated: bool,
     #[serde(flatten)]
     replay: &'a Replay,
 }
@@ -106,26 +105,35 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
     let body = Again {
         scenario: &log.spec.scenario.name,
         testbed: &log.spec.scenario.testbed,
-        truncated: table.truncated(),
         replay: &replay,
     };
-    if body.truncated {
+    if replay.truncated {
         output::note(
             context,
             &format!("{} is cut off; what is whole was replayed", file.display()),
         );
     }
     let mut document = Document::new("ctrl-replay", args, &[], body);
-    let outcome = document.judged(&args.require)?;
+    let judged = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&again_text(&replay))?,
     }
-    Ok(if replay.different == 0 {
-        outcome
-    } else {
-        Outcome::Negative
-    })
+    if replay.different > 0 {
+        return Ok(Outcome::Negative);
+    }
+    Ok(judged.and(outcome(replay.verdict, &replay.doubts)?))
+}
+
+fn outcome(verdict: Verdict, doubts: &[String]) -> anyhow::Result<Outcome> {
+    match verdict {
+        Verdict::Safe => Ok(Outcome::Done),
+        Verdict::Unsafe => Ok(Outcome::Negative),
+        Verdict::NotKnown => anyhow::bail!(
+            "whether the robots were safe is not known: {}",
+            why_not_known(doubts)
+        ),
+    }
 }
 
 fn again_text(replay: &Replay) -> String {
@@ -136,9 +144,10 @@ fn judged(replay: &Replay) -> String {
     let verdict = match (replay.verdict, replay.first_unsafe_s) {
         (Verdict::Safe, _) => "the robots were safe at the steps of the log".to_owned(),
         (_, Some(time_s)) => format!("the robots were UNSAFE from {time_s:.2} s on"),
-        (_, None) => {
-            "whether the robots were safe is not known: the log has no place of any".to_owned()
-        }
+        (_, None) => format!(
+            "NOT KNOWN whether the robots were safe: {}",
+            why_not_known(&replay.doubts)
+        ),
     };
     match &replay.least_distance {
         Some(least) => format!(
@@ -223,12 +232,12 @@ fn beside(
         r#loop: Timing::new(&ticks, scenario.controller().hold_s()),
     };
     let mut document = Document::new("ctrl-replay", args, &[], body);
-    let outcome = document.judged(&args.require)?;
+    let judged = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&beside_text(&document.body))?,
     }
-    Ok(outcome)
+    Ok(judged.and(outcome(summary.verdict, &[])?))
 }
 
 fn beside_text(body: &Beside) -> String {
@@ -247,12 +256,13 @@ fn beside_text(body: &Beside) -> String {
         ]);
     }
     format!(
-        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n",
+        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n{}\n",
         table.render(),
         body.summary.steps,
         body.rate_hz,
         number(body.r#loop.median_us, 2),
         number(body.r#loop.p99_us, 2),
-        body.r#loop.missed
+        body.r#loop.missed,
+        verdict(body.summary, &[])
     )
 }

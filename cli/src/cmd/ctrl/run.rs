@@ -138,13 +138,24 @@ impl Ended {
         match self.summary.verdict {
             Verdict::Safe => Ok(Outcome::Done),
             Verdict::Unsafe => Ok(Outcome::Negative),
-            Verdict::NotKnown => {
-                anyhow::bail!(
-                    "whether it was safe is not known: a robot was never seen, or unseen for longer than its commands needed to the edge of its lane"
-                )
-            }
+            Verdict::NotKnown => anyhow::bail!(
+                "whether it was safe is not known: {}",
+                why_not_known(self.doubts())
+            ),
         }
     }
+
+    fn doubts(&self) -> &[String] {
+        self.live.as_ref().map_or(&[], |live| &live.doubts)
+    }
+}
+
+/// Why the verdict is not known.
+pub(super) fn why_not_known(doubts: &[String]) -> String {
+    if doubts.is_empty() {
+        return "no robot was seen".to_owned();
+    }
+    doubts.join("; ")
 }
 
 impl RunArgs {
@@ -328,14 +339,17 @@ impl<'a> Body<'a> {
     }
 }
 
-fn verdict(summary: &Summary) -> String {
+/// In words; `doubts` say why it is not known whether the run was safe.
+pub(super) fn verdict(summary: &Summary, doubts: &[String]) -> String {
     match (summary.verdict, summary.first_unsafe_s) {
         (Verdict::Safe, _) => {
             "safe: no robot left its lane, touched another or came too close".to_owned()
         }
         (Verdict::Unsafe, Some(time_s)) => format!("UNSAFE from {time_s:.2} s on"),
         (Verdict::Unsafe, None) => "UNSAFE".to_owned(),
-        (Verdict::NotKnown, _) => "NOT KNOWN whether it was safe: too little was seen".to_owned(),
+        (Verdict::NotKnown, _) => {
+            format!("NOT KNOWN whether it was safe: {}", why_not_known(doubts))
+        }
     }
 }
 
@@ -404,7 +418,7 @@ fn text(named: &Named, ended: &Ended) -> String {
     if let Some(live) = &ended.live {
         live::rows(live, &mut row);
     }
-    let verdict = verdict(summary);
+    let verdict = verdict(summary, ended.doubts());
     let how = match &ended.live {
         Some(live) => live::ending_text(&live.ending),
         None => format!("seed {}", named.spec.seed),

@@ -2,21 +2,23 @@
 
 use std::time::{Duration, Instant};
 
-use unicycle_cbf::{Scenario, Speeds, StampedPose, State};
+use unicycle_cbf::{Scenario, StampedPose};
 
 use super::commands::Command;
+use super::disbelieved::Contradictions;
 use super::hurry::hurry;
 use super::link::Link;
 use super::lookout::Lookout;
 use super::pacer::Pacer;
 use super::session::{Ending, LiveReport, StopSwitch, Update};
-use super::sight::Sight;
 use super::starts;
 use super::watch::Watch;
 use crate::convoy::Convoy;
 use crate::error::Error;
+use crate::measured::{self, Measured};
+use crate::sight::Doubt;
 use crate::summary::{Summarising, Summary};
-use crate::tick::{Tick, Truth};
+use crate::tick::{Tick, Watched};
 
 /// How long robots have to appear before the start, and how long while the other side says that they are getting ready.
 const APPEAR: Duration = Duration::from_secs(60);
@@ -25,8 +27,6 @@ const GETTING_READY: Duration = Duration::from_secs(300);
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
-/// Poses of two robots that are farther apart than this in time are not compared, in s.
-const BESIDE_S: f64 = 0.3;
 
 pub(super) struct Drive<'a> {
     scenario: &'a Scenario,
@@ -39,14 +39,12 @@ pub(super) struct Drive<'a> {
     measured: Vec<Option<StampedPose>>,
     /// All since the last step, as [`super::inbox::Inbox::arrived`] gives them
     arrived: Vec<(usize, StampedPose)>,
-    /// The newest by stamp of those that were judged
-    judged: Vec<Option<StampedPose>>,
-    /// Of the points of interest, of those that are about as old as each other
-    places: Vec<Option<State>>,
+    judge: Measured<'a>,
+    contradictions: Contradictions,
     lookout: Lookout,
     watch: Watch,
-    /// Time of the last step, in s
-    last_step_s: f64,
+    /// In s since the start; none before
+    now_s: f64,
     summary: Summarising,
 }
 
@@ -57,6 +55,8 @@ impl<'a> Drive<'a> {
         let max_age_s = scenario.controller().settings().hardening.max_pose_age_s;
         let lookout = Lookout::new(&link.ids, max_age_s.unwrap_or(f64::INFINITY));
         let watch = Watch::new(scenario, &link.ids, link.is_told());
+        let contradictions = Contradictions::new(scenario, &link.ids);
+        let judge = Measured::new(scenario, link.is_told());
         Self {
             scenario,
             watch,
@@ -66,10 +66,10 @@ impl<'a> Drive<'a> {
             seen: vec![None; robots],
             measured: vec![None; robots],
             arrived: Vec::new(),
-            judged: vec![None; robots],
-            places: Vec::with_capacity(robots),
+            judge,
+            contradictions,
             lookout,
-            last_step_s: 0.0,
+            now_s: 0.0,
             summary: Summarising::new(scenario),
         }
     }
@@ -138,6 +138,7 @@ impl<'a> Drive<'a> {
         let mut last_pose_s = 0.0;
         for step in 0.. {
             let (time_s, late_s) = self.pacer.wait();
+            self.now_s = time_s;
             if stop.is_on() {
                 return Ending::Stopped;
             }
@@ -148,7 +149,7 @@ impl<'a> Drive<'a> {
                 .play(time_s + 0.5 * period_s, self.pacer.start_s());
             self.take_poses(time_s);
             self.judge_arrived();
-            self.last_step_s = time_s;
+            self.look_for_contradictions(update);
             self.decide(step, time_s, late_s, &mut ticks);
             let commands: Vec<Command> = ticks.iter().map(command).collect();
             self.link.commands.send(&commands);
@@ -193,11 +194,26 @@ impl<'a> Drive<'a> {
         self.pass_notes(update);
         self.judge_arrived();
         for robot in 0..self.convoy.robots() {
-            let told_m = |from_s: f64, to_s: f64| self.watch.told_m(robot, from_s, to_s);
-            self.lookout.sight(robot).over(self.last_step_s, told_m);
+            if self.contradictions.lasted_s(robot).is_some() {
+                self.judge.sights().doubt(Doubt::Disbelieved(robot));
+            }
         }
-        let sights = self.lookout.sights();
-        if !sights.iter().all(Sight::is_enough) {
+        let watch = &self.watch;
+        let told_m = |robot: usize, time_s: f64| watch.told_m(robot, time_s);
+        self.judge.over(self.now_s, told_m);
+        let sights = self.judge.sights();
+        let texts = sights
+            .doubts()
+            .iter()
+            .map(|doubt| doubt.text(&self.link.ids));
+        let mut doubts: Vec<String> = texts.collect();
+        let seen_enough = doubts.is_empty();
+        doubts.extend(
+            untold
+                .iter()
+                .map(|id| format!("robot {id} may not have got the command to stand")),
+        );
+        if !doubts.is_empty() {
             self.summary.doubt();
         }
         let report = LiveReport {
@@ -207,9 +223,10 @@ impl<'a> Drive<'a> {
             received: self.link.inbox.counts(),
             commands: self.link.commands.counts(),
             robots: self.link.ids.clone(),
-            unseen_s: sights.iter().map(Sight::unseen_s).collect(),
-            longest_unseen_s: sights.iter().map(Sight::longest_s).collect(),
-            seen_enough: sights.iter().all(Sight::is_enough),
+            unseen_s: sights.unseen_s(),
+            longest_unseen_s: sights.longest_s(),
+            seen_enough,
+            doubts,
         };
         (self.summary.finished(), report)
     }
@@ -233,7 +250,8 @@ impl<'a> Drive<'a> {
         for (robot, seen) in arrived.into_iter().enumerate() {
             let Some(mut seen) = seen else { continue };
             seen.stamp_s -= self.pacer.start_s();
-            self.lookout.has(robot, &seen, now_s);
+            self.lookout.hears(robot, now_s);
+            self.judge.sights().has(robot, seen.stamp_s, now_s);
             self.seen[robot] = Some(seen);
             self.measured[robot] = Some(seen);
         }
@@ -245,40 +263,42 @@ impl<'a> Drive<'a> {
         self.link.inbox.arrived(&mut arrived);
         for (robot, mut seen) in arrived.drain(..) {
             seen.stamp_s -= self.pacer.start_s();
-            self.judged[robot] = Some(seen);
-            let safety = self.measured_truth(robot, Speeds::ZERO, &self.judged);
-            let Some(Truth { safety, .. }) = safety else {
-                continue;
-            };
+            let watch = &self.watch;
+            let told_m = |robot: usize, time_s: f64| watch.told_m(robot, time_s);
+            let deviation_m = self.judge.saw(robot, seen, told_m, &mut self.summary);
             // Before the start robots may be carried about.
-            if seen.stamp_s >= 0.0 {
-                self.watch.saw(robot, seen, safety.deviation_m);
-                self.summary.add_measured(seen.stamp_s, &safety);
-                self.judge_distances(seen.stamp_s);
+            if let Some(deviation_m) = deviation_m
+                && seen.stamp_s >= 0.0
+            {
+                self.watch.saw(robot, seen, deviation_m);
             }
-            let clearance_m = self.half_width_m() - safety.deviation_m.abs();
-            let told_m = |from_s: f64, to_s: f64| self.watch.told_m(robot, from_s, to_s);
-            let sight = self.lookout.sight(robot);
-            sight.saw(seen.stamp_s, clearance_m, told_m);
         }
         self.arrived = arrived;
     }
 
-    /// Of poses that are about as old as each other.
-    fn judge_distances(&mut self, time_s: f64) {
-        let offset_m = self.scenario.controller().body().offset_m;
-        let beside = |seen: &StampedPose| (time_s - seen.stamp_s).abs() <= BESIDE_S;
-        let places = self.judged.iter().map(|seen| {
-            let seen = seen.filter(beside)?;
-            Some(seen.pose.state(offset_m, Speeds::ZERO))
-        });
-        self.places.clear();
-        self.places.extend(places);
-        self.summary.add_places(time_s, &self.places);
+    fn look_for_contradictions(&mut self, update: &mut impl FnMut(Update)) {
+        self.link.inbox.disbelieved(&mut self.contradictions.now);
+        for robot in 0..self.convoy.robots() {
+            if let Some(note) = self.contradictions.note(robot) {
+                update(Update::Note(&note));
+            }
+        }
     }
 
-    fn half_width_m(&self) -> f64 {
-        self.scenario.spec().controller.lane.half_width_m
+    fn watched(&self, robot: usize) -> Watched {
+        let watched = self.watch.watched(robot);
+        let newest = &self.measured[robot];
+        let is_near = |seen: &StampedPose| self.contradictions.is_near(robot, &seen.pose);
+        let must_stand = newest.as_ref().is_some_and(is_near);
+        Watched {
+            allowed_mps: if must_stand {
+                Some(0.0)
+            } else {
+                watched.allowed_mps
+            },
+            disbelieved_s: self.contradictions.lasted_s(robot),
+            ..watched
+        }
     }
 
     /// From the back, so that each robot sees the one ahead as it was before this step.
@@ -295,7 +315,7 @@ impl<'a> Drive<'a> {
         let share_us = start.elapsed().as_secs_f64() * 1e6 / self.convoy.robots() as f64;
         for robot in (0..self.convoy.robots()).rev() {
             let start = Instant::now();
-            let watched = self.watch.watched(robot);
+            let watched = self.watched(robot);
             let body = self.scenario.controller().body();
             let decision = self.convoy.decide(robot, time_s);
             let most_mps = watched.allowed_mps.unwrap_or(f64::INFINITY);
@@ -308,8 +328,9 @@ impl<'a> Drive<'a> {
                 time_s,
                 seen: self.seen[robot],
                 decision,
-                truth: self.seen[robot]
-                    .and_then(|_| self.measured_truth(robot, decision.speeds, &self.measured)),
+                truth: self.seen[robot].and_then(|_| {
+                    measured::truth(self.scenario, robot, decision.speeds, &self.measured)
+                }),
                 watched: Some(watched),
                 step_us,
                 late_us: late_s * 1e6,
@@ -337,24 +358,6 @@ impl<'a> Drive<'a> {
         stamps_s
             .map(|seen| seen.as_ref().map_or(f64::NAN, age_s))
             .collect()
-    }
-
-    /// A pose that has just arrived counts as the truth, with the speeds that the robot was told.
-    fn measured_truth(
-        &self,
-        robot: usize,
-        speeds: Speeds,
-        measured: &[Option<StampedPose>],
-    ) -> Option<Truth> {
-        let own = measured[robot]?;
-        let offset_m = self.scenario.controller().body().offset_m;
-        let ahead = robot.checked_sub(1).and_then(|ahead| measured[ahead]);
-        let ahead = ahead.filter(|ahead| own.stamp_s - ahead.stamp_s <= BESIDE_S);
-        let ahead = ahead.map(|ahead| ahead.pose.state(offset_m, Speeds::ZERO));
-        let state = own.pose.state(offset_m, speeds);
-        let controller = self.scenario.controller();
-        let safety = controller.safety_behind(&state, ahead.as_ref());
-        Some(Truth { state, safety })
     }
 
     /// Before the start nobody was told anything that could be answered.

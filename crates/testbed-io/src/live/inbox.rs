@@ -10,6 +10,7 @@ use unicycle_cbf::{Pose, Speeds, StampedPose};
 use super::clock::Clock;
 use super::clock_rate::ClockRate;
 use super::counts::{Counts, Dropped};
+use super::disbelieved::Disbelieved;
 use super::gate::{Bounds, Gate};
 use super::senders::Senders;
 use super::stamps::{StampMap, Stamping};
@@ -58,6 +59,8 @@ struct State {
     arrived: Vec<(usize, StampedPose)>,
     /// Why the last pose of each was dropped, if it was
     dropped: Vec<Option<Dropped>>,
+    /// Those that were not believed since the last that was
+    disbelieved: Vec<Option<Disbelieved>>,
     counts: Counts,
     notes: Vec<String>,
     jump_told_s: f64,
@@ -80,6 +83,7 @@ impl Inbox {
             newest: vec![None; ids.len()],
             arrived: Vec::new(),
             dropped: vec![None; ids.len()],
+            disbelieved: vec![None; ids.len()],
             counts: Counts::default(),
             notes: Vec::new(),
             jump_told_s: f64::NEG_INFINITY,
@@ -170,6 +174,11 @@ impl Inbox {
     /// Why the last pose of a robot was dropped, if it was.
     pub(super) fn why_dropped(&self, robot: usize) -> Option<Dropped> {
         self.lock().dropped[robot]
+    }
+
+    /// The poses of each robot that were not believed since the last that was.
+    pub(super) fn disbelieved(&self, into: &mut Vec<Option<Disbelieved>>) {
+        into.clone_from(&self.lock().disbelieved);
     }
 
     /// What a robot does from `time_s` on, if the commands go to it.
@@ -263,7 +272,16 @@ impl State {
             stamp_s: stamp_s - seen.age_s.max(0.0),
             pose: seen.pose,
         };
-        self.gate.pass(robot, accepted)?;
+        let passed = self.gate.pass(robot, accepted);
+        let disbelieved = &mut self.disbelieved[robot];
+        match passed {
+            Ok(()) => *disbelieved = None,
+            Err(Dropped::Jump | Dropped::Overlapping | Dropped::Outside) => {
+                *disbelieved = Some(Disbelieved::after(*disbelieved, accepted));
+            }
+            Err(_) => {}
+        }
+        passed?;
         if self.arrived.len() < MOST_ARRIVED {
             self.arrived.push((robot, accepted));
         }

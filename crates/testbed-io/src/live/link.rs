@@ -36,7 +36,7 @@ pub(super) struct Link {
     fast: bool,
     /// Whether commands go to the program that gives the poses
     to_program: bool,
-    /// Whether commands go to anybody
+    /// Whether the robots that are seen hear the commands
     told: bool,
 }
 
@@ -80,7 +80,7 @@ impl Link {
             source,
             fast: spec.is_fast(),
             to_program: spec.commands == CommandsSpec::Program,
-            told: spec.commands != CommandsSpec::None,
+            told: spec.is_told(),
         })
     }
 
@@ -110,7 +110,7 @@ impl Link {
 
     /// Whether the robots that are seen hear the commands.
     pub(super) fn is_told(&self) -> bool {
-        self.told && !self.is_recording()
+        self.told
     }
 
     /// Whether time passes without waiting.

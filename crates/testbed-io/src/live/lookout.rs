@@ -1,9 +1,6 @@
 //! Which robots are out of sight, and why.
 
-use unicycle_cbf::StampedPose;
-
 use super::counts::Dropped;
-use super::sight::Sight;
 
 /// The user is told of a robot without a pose for this long, in s.
 const UNSEEN_S: f64 = 1.0;
@@ -18,7 +15,6 @@ pub(super) struct Lookout {
     ids: Vec<u32>,
     /// Robots are not driven on older poses, in s
     most_age_s: f64,
-    sights: Vec<Sight>,
     /// When a pose came last, however old, in s
     heard_s: Vec<f64>,
     /// Of which the user was told that they are out of sight
@@ -30,25 +26,14 @@ impl Lookout {
         Self {
             ids: ids.to_vec(),
             most_age_s,
-            sights: vec![Sight::new(most_age_s); ids.len()],
             heard_s: vec![f64::NEG_INFINITY; ids.len()],
             unseen: vec![false; ids.len()],
         }
     }
 
-    /// The newest pose of a robot, at `now_s`.
-    pub(super) fn has(&mut self, robot: usize, seen: &StampedPose, now_s: f64) {
-        self.sights[robot].has(seen, now_s);
+    /// A pose of a robot came, however old.
+    pub(super) fn hears(&mut self, robot: usize, now_s: f64) {
         self.heard_s[robot] = now_s;
-    }
-
-    /// One robot, for what follows from all its poses.
-    pub(super) fn sight(&mut self, robot: usize) -> &mut Sight {
-        &mut self.sights[robot]
-    }
-
-    pub(super) fn sights(&self) -> &[Sight] {
-        &self.sights
     }
 
     /// A robot whose poses are not believed or come too late is named as soon as it stands for that.

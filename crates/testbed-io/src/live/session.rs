@@ -92,8 +92,10 @@ pub struct LiveReport {
     pub unseen_s: Vec<f64>,
     /// The longest of them at one time, for each robot
     pub longest_unseen_s: Vec<f64>,
-    /// Whether no robot can have left its lane unseen, by what it was told
+    /// Whether no robot can have left its lane or touched another one unseen, by what they were told
     pub seen_enough: bool,
+    /// Why it is not known whether the session was safe, unless it was unsafe: too little was seen, or robots may still move
+    pub doubts: Vec<String>,
 }
 
 /// A scenario on a link.

@@ -169,6 +169,11 @@ impl LinkSpec {
             && self.commands == CommandsSpec::Program
     }
 
+    /// Whether the robots that are seen hear the commands.
+    pub(crate) fn is_told(&self) -> bool {
+        self.commands != CommandsSpec::None && !matches!(self.poses, PosesSpec::Recording(_))
+    }
+
     pub(super) fn is_fast(&self) -> bool {
         matches!(&self.poses, PosesSpec::Recording(spec) if spec.pace == Pace::Fast)
     }

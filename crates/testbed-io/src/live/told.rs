@@ -9,24 +9,24 @@ const KEPT_S: f64 = 8.0;
 
 /// Sums over all that a robot was told up to a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Way {
+pub(crate) struct Way {
     /// Forward less backward, in m
-    pub(super) along_m: f64,
+    pub(crate) along_m: f64,
     /// Counter-clockwise less clockwise, in rad
-    pub(super) turn_rad: f64,
+    pub(crate) turn_rad: f64,
     /// Of the axle, forward and backward, in m
-    pub(super) path_m: f64,
+    pub(crate) path_m: f64,
     /// Of the left and of the right wheel, forward and backward, in m
-    pub(super) wheels_m: [f64; 2],
+    pub(crate) wheels_m: [f64; 2],
     /// Either way, in rad
-    pub(super) turned_rad: f64,
+    pub(crate) turned_rad: f64,
     /// For how long it was told to move, in s
-    pub(super) moving_s: f64,
+    pub(crate) moving_s: f64,
 }
 
 /// The commands of one robot, held until the next.
 #[derive(Debug, Clone)]
-pub(super) struct Told {
+pub(crate) struct Told {
     wheel_base_m: f64,
     legs: VecDeque<Leg>,
 }
@@ -41,7 +41,7 @@ struct Leg {
 
 impl Way {
     /// What came since.
-    pub(super) fn since(self, earlier: Self) -> Self {
+    pub(crate) fn since(self, earlier: Self) -> Self {
         let [left_m, right_m] = self.wheels_m;
         let [left_before_m, right_before_m] = earlier.wheels_m;
         Self {
@@ -56,7 +56,7 @@ impl Way {
 }
 
 impl Told {
-    pub(super) fn new(wheel_base_m: f64) -> Self {
+    pub(crate) fn new(wheel_base_m: f64) -> Self {
         Self {
             wheel_base_m,
             legs: VecDeque::new(),
@@ -64,7 +64,7 @@ impl Told {
     }
 
     /// From `time_s` on; times do not decrease.
-    pub(super) fn sent(&mut self, time_s: f64, speeds: Speeds) {
+    pub(crate) fn sent(&mut self, time_s: f64, speeds: Speeds) {
         let before = self.until(time_s);
         self.legs.push_back(Leg {
             from_s: time_s,
@@ -78,17 +78,17 @@ impl Told {
     }
 
     /// Whether nobody tells the robot anything.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.legs.is_empty()
     }
 
     /// What it was told last.
-    pub(super) fn speeds(&self) -> Speeds {
+    pub(crate) fn speeds(&self) -> Speeds {
         self.legs.back().map_or(Speeds::ZERO, |leg| leg.speeds)
     }
 
     /// All up to a time; before the oldest command that is remembered, all up to that.
-    pub(super) fn until(&self, time_s: f64) -> Way {
+    pub(crate) fn until(&self, time_s: f64) -> Way {
         let begun = self.legs.partition_point(|leg| leg.from_s <= time_s);
         match begun.checked_sub(1).and_then(|index| self.legs.get(index)) {
             Some(leg) => self.after(leg, time_s - leg.from_s),
@@ -96,12 +96,12 @@ impl Told {
         }
     }
 
-    pub(super) fn between(&self, from_s: f64, to_s: f64) -> Way {
+    pub(crate) fn between(&self, from_s: f64, to_s: f64) -> Way {
         self.until(to_s).since(self.until(from_s))
     }
 
     /// Where the robot is at a time if it was at a pose before and does as it is told.
-    pub(super) fn carried(&self, from: &StampedPose, to_s: f64) -> Pose {
+    pub(crate) fn carried(&self, from: &StampedPose, to_s: f64) -> Pose {
         let next = self.legs.partition_point(|leg| leg.from_s <= from.stamp_s);
         let legs = self.legs.iter().skip(next.saturating_sub(1));
         let ends_s = legs.clone().skip(1).map(|leg| leg.from_s);

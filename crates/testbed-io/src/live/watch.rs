@@ -140,9 +140,9 @@ impl Watch {
         self.robots[robot].told.sent(time_s, speeds);
     }
 
-    /// The way that a robot was told between two times, forward and backward, in m.
-    pub(super) fn told_m(&self, robot: usize, from_s: f64, to_s: f64) -> f64 {
-        self.robots[robot].told.between(from_s, to_s).path_m
+    /// The way that a robot was told to go in all up to a time, forward and backward, in m.
+    pub(super) fn told_m(&self, robot: usize, time_s: f64) -> f64 {
+        self.robots[robot].told.until(time_s).path_m
     }
 
     /// Looks at some of the robots, at all of them over a tenth of a second; gives what the user should know.
@@ -172,6 +172,7 @@ impl Watch {
             innovation_position_m: position_m,
             innovation_heading_rad: heading_rad,
             allowed_mps,
+            disbelieved_s: None,
         }
     }
 

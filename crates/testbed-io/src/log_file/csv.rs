@@ -2,7 +2,8 @@
 //!
 //! The last column is `about`. In the first row it says what the run is, as JSON: types of the columns (f, i or t), a check, and
 //! the metadata. In every other row it is `crc ` and a check: the CRC-32 of all fields from the first name up to this row, so
-//! that the first line that was changed or lost is known. A log without rows has one row in which nothing but `about` stands.
+//! that the first line that was changed or lost is known. A log without rows has one row in which nothing but `about` stands. After the check of
+//! the last row stands ` end`, unless the log was written while the run went on.
 //!
 //! Logs of before begin with `# drivekit run log 1 ` and the metadata and `# types ` and the types; they are still read.
 
@@ -17,11 +18,12 @@ use super::records::{Records, check_fields, header, line, push, text};
 use super::{Column, DAMAGED, Flaw, Kind, LogTable, Values, shortened, table};
 
 const ABOUT: &str = "about";
+const END: &str = " end";
 const FOREIGN: &str = "only CSV files that drivekit logged are read, with their column `about`";
 
 pub(super) fn write(table: &LogTable, out: &mut dyn Write) -> io::Result<()> {
     let mut sheet = Sheet::start(table.meta(), table.columns(), out)?;
-    sheet.add(table.columns())?;
+    sheet.add_rows(table.columns(), true)?;
     sheet.finish().map(|_| ())
 }
 
@@ -54,6 +56,10 @@ impl<W: Write> Sheet<W> {
 
     /// Adds rows, and hands them on.
     pub(super) fn add(&mut self, columns: &[Column]) -> io::Result<()> {
+        self.add_rows(columns, false)
+    }
+
+    fn add_rows(&mut self, columns: &[Column], are_last: bool) -> io::Result<()> {
         let rows = columns.first().map_or(0, |column| column.values.len());
         let mut text = String::new();
         for row in 0..rows {
@@ -61,7 +67,8 @@ impl<W: Write> Sheet<W> {
                 text.clear();
                 self.field(field(&column.values, row, &mut text).as_bytes())?;
             }
-            self.about(false)?;
+            let mark = if are_last && row + 1 == rows { END } else { "" };
+            self.about(false, mark)?;
         }
         self.writer.flush()
     }
@@ -72,16 +79,16 @@ impl<W: Write> Sheet<W> {
             for _ in 0..self.types.len() {
                 self.field(b"")?;
             }
-            self.about(true)?;
+            self.about(true, "")?;
         }
         self.writer
             .into_inner()
             .map_err(|error| io::Error::other(error.to_string()))
     }
 
-    fn about(&mut self, is_empty: bool) -> io::Result<()> {
+    fn about(&mut self, is_empty: bool, mark: &str) -> io::Result<()> {
         let text = if self.is_begun {
-            self.check.text()
+            format!("{}{mark}", self.check.text())
         } else {
             self.is_begun = true;
             About::text(&self.types, &mut self.check, is_empty, &self.meta)
@@ -201,16 +208,28 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
     let about = begun(&about, &record, &mut check)?;
     let mut columns = header(&names, &about.kinds)?;
     let mut more = !about.is_empty || records.next(&mut record)?;
+    let mut is_end = false;
     while more {
         push(&mut columns, &record)?;
         more = records.next(&mut record)?;
         if more {
             check_fields(&record, names.len() + 1)?;
             add_fields(&mut check, &record);
-            agree(&check, &record, last(&record))?;
+            if is_end {
+                let found = "a row after the last one";
+                return Err(Flaw::at(line(&record), found, DAMAGED));
+            }
+            let written = last(&record);
+            let unmarked = written.strip_suffix(END.as_bytes());
+            is_end = unmarked.is_some();
+            agree(&check, &record, unmarked.unwrap_or(written))?;
         }
     }
-    table(about.meta, columns, is_cut)
+    let table = table(about.meta, columns, is_cut)?;
+    Ok(LogTable {
+        states_its_end: is_end,
+        ..table
+    })
 }
 
 /// None if the last is another.

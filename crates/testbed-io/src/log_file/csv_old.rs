@@ -34,7 +34,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
         check_fields(&record, columns.len())?;
         push(&mut columns, &record)?;
     }
-    table(meta.trim_end_matches(['\r', '\n']), columns, is_cut)
+    let table = table(meta.trim_end_matches(['\r', '\n']), columns, is_cut)?;
+    Ok(LogTable {
+        states_its_end: false,
+        ..table
+    })
 }
 
 /// The line with the types is a record of as many fields as the rest.

@@ -7,7 +7,8 @@
 //! | MCAP    | Foxglove, robot tools | record `drivekit` | left out | `"inf"`, `"-inf"`, apart | whole chunks |
 //!
 //! What is written reads back to the same bits, except the payload of NaNs in CSV and MCAP.
-//! A CSV file that was cut exactly between two lines looks whole. Damage is found by checks, and told apart from a cut.
+//! A CSV file marks its last row, so that a cut between two lines is known too; one that is written while the run goes on does not.
+//! Damage is found by checks, and told apart from a cut.
 
 mod check;
 mod csv;
@@ -106,6 +107,7 @@ pub struct LogTable {
     meta: String,
     columns: Vec<Column>,
     truncated: bool,
+    states_its_end: bool,
 }
 
 impl LogTable {
@@ -149,6 +151,7 @@ impl LogTable {
             meta: meta.replace(['\r', '\n'], " "),
             columns,
             truncated: false,
+            states_its_end: true,
         })
     }
 
@@ -187,6 +190,12 @@ impl LogTable {
     #[must_use]
     pub fn truncated(&self) -> bool {
         self.truncated
+    }
+
+    /// Whether the file says where it ends. CSV files of before and those of sessions that go on or were killed do not.
+    #[must_use]
+    pub fn states_its_end(&self) -> bool {
+        self.states_its_end
     }
 }
 

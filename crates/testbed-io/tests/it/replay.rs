@@ -1,7 +1,7 @@
 //! Run logs in every format, and their replay.
 
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{Disturbances, RunLog, RunSpec};
+use testbed_io::{Disturbances, RunLog, RunSpec, Verdict};
 use unicycle_cbf::{Preset, Testbed};
 
 fn spec(preset: Preset) -> RunSpec {
@@ -52,7 +52,9 @@ fn a_changed_decision_and_a_changed_pose_are_found() {
 
     let mut cut = log.clone();
     cut.rows.truncate(501);
-    assert_eq!(cut.replay().unwrap().decisions, 500);
+    let replay = cut.replay().unwrap();
+    assert_eq!(replay.decisions, 500);
+    assert!(replay.truncated && replay.verdict == Verdict::NotKnown);
 
     let mut shuffled = log;
     shuffled.rows.swap(100, 200);
@@ -72,4 +74,32 @@ fn tables_that_are_no_run_logs_are_refused() {
     let other = log_file::LogTable::new("{\"a\": 1}", columns).unwrap();
     let error = RunLog::from_table(&other).unwrap_err().to_string();
     assert!(error.contains("is it one of `ctrl run`?"), "{error}");
+}
+
+#[test]
+fn a_log_cut_between_two_lines_is_not_called_safe() {
+    let (run, summary) = spec(Preset::Hardened).simulate().unwrap();
+    assert_eq!(summary.verdict, Verdict::Safe);
+    let mut bytes = Vec::new();
+    log_file::write(&run.to_table().unwrap(), LogFormat::Csv, &mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let replay = |lines: usize, old: bool| {
+        let mut text = text.split_inclusive('\n').take(lines).collect::<String>();
+        if old {
+            text = text.replace(" end\n", "\n");
+        }
+        let table = log_file::read_bytes(text.as_bytes(), LogFormat::Csv).unwrap();
+        RunLog::from_table(&table).unwrap().replay().unwrap()
+    };
+    for old in [false, true] {
+        let whole = replay(lines.len(), old);
+        assert!(!whole.truncated && whole.verdict == Verdict::Safe);
+        for missing in [1, 2, 3, 400] {
+            let cut = replay(lines.len() - missing, old);
+            assert!(cut.truncated, "{missing}");
+            assert_eq!(cut.verdict, Verdict::NotKnown);
+            assert_eq!(cut.doubts, ["the end of the log is missing"]);
+        }
+    }
 }

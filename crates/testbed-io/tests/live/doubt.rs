@@ -1,8 +1,11 @@
 //! Robots and trackers that are not as stated: named, slowed down, and stopped before the lane ends.
 
-use testbed_io::live::{LiveReport, Session, StopSwitch, Update};
-use testbed_io::{Error, Summary};
-use unicycle_cbf::{Preset, Scenario, Testbed};
+use std::time::Duration;
+
+use testbed_io::live::{LinkSpec, LiveReport, Session, StopSwitch, Update};
+use testbed_io::log_file::{LogFormat, read_bytes, write};
+use testbed_io::{Disturbances, Error, Replay, Run, RunLog, RunSpec, Summary, Tick, Verdict};
+use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 use super::faulty::{self, Faults};
 use super::world::Least;
@@ -15,12 +18,22 @@ struct Driven {
     notes: Vec<(f64, String)>,
     ended: Result<(Summary, LiveReport), Error>,
     least: Least,
+    spec: ScenarioSpec,
+    link: LinkSpec,
+    ticks: Vec<Tick>,
 }
 
 impl Driven {
     fn new(name: &str, duration_s: f64, faults: Faults) -> Self {
         let mut spec = Testbed::Khepera.scenario(name, Preset::Hardened).unwrap();
         spec.duration_s = duration_s;
+        Self::of(spec, faults, f64::INFINITY)
+    }
+
+    /// The loop stands still for two seconds from a time on.
+    fn of(spec: ScenarioSpec, faults: Faults, stall_s: f64) -> Self {
+        let mut stalled = false;
+        let mut kept = Vec::new();
         let scenario = Scenario::new(spec.clone()).unwrap();
         let (link, _, robots) = faulty::start(&spec, faults);
         let mut notes = Vec::new();
@@ -34,7 +47,13 @@ impl Driven {
                 println!("{now_s:.2} s: {text}");
                 notes.push((now_s, text.to_owned()));
             }
-            Update::Step { ticks, .. } => now_s = ticks[0].time_s,
+            Update::Step { ticks, .. } => {
+                now_s = ticks[0].time_s;
+                kept.extend_from_slice(ticks);
+                if now_s > stall_s && !std::mem::replace(&mut stalled, true) {
+                    std::thread::sleep(Duration::from_secs(2));
+                }
+            }
         });
         let least = robots.join().unwrap().least();
         println!("{least:?}");
@@ -42,7 +61,31 @@ impl Driven {
             notes,
             ended,
             least,
+            spec,
+            link,
+            ticks: kept,
         }
+    }
+
+    /// Of its log as CSV.
+    fn replay(&self) -> Replay {
+        let spec = RunSpec {
+            seed: 1,
+            scenario: self.spec.clone(),
+            disturbances: Disturbances::default(),
+            link: Some(self.link.clone()),
+        };
+        let run = Run {
+            spec,
+            ticks: self.ticks.clone(),
+            started_unix_s: None,
+        };
+        let mut bytes = Vec::new();
+        write(&run.to_table().unwrap(), LogFormat::Csv, &mut bytes).unwrap();
+        let table = read_bytes(&bytes, LogFormat::Csv).unwrap();
+        let replay = RunLog::from_table(&table).unwrap().replay().unwrap();
+        assert!(replay.different == 0 && !replay.truncated, "{replay:?}");
+        replay
     }
 
     /// Whether a robot was named for this, at a time that is given.
@@ -71,6 +114,7 @@ fn robots_as_stated_are_not_doubted() {
     let (summary, report) = driven.ended.as_ref().unwrap();
     assert!(summary.safe == Some(true) && report.seen_enough);
     assert_eq!(report.unseen_s, [0.0, 0.0]);
+    assert_eq!(driven.replay().verdict, Verdict::Safe);
     let doubts = driven
         .notes
         .iter()
@@ -188,4 +232,48 @@ fn poses_too_late_to_act_on_count_for_the_verdict() {
             .all(|unseen_s| (4.4..5.4).contains(unseen_s))
     );
     driven.named_at_s("outside its lane: it stands for good");
+}
+
+#[test]
+fn robots_that_can_have_touched_unseen_are_not_called_safe() {
+    let mut spec = Testbed::Khepera
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.duration_s = 7.0;
+    // So wide that two seconds do not lead out of it.
+    spec.controller.lane.half_width_m = 1.5;
+    let faults = Faults {
+        held_up_s: [3.5, f64::INFINITY],
+        ..Faults::NONE
+    };
+    let driven = Driven::of(spec, faults, 3.4);
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    assert_eq!(summary.verdict, Verdict::NotKnown, "{summary:?}");
+    let touch = "robots 1 and 2 were unseen for longer than their commands needed to each other";
+    assert_eq!(report.doubts, [touch]);
+    assert!(!report.seen_enough);
+    let replay = driven.replay();
+    assert_eq!(replay.verdict, Verdict::NotKnown);
+    assert_eq!(replay.doubts, [touch]);
+}
+
+#[test]
+fn poses_that_say_for_long_that_a_robot_is_on_another_stop_both_and_the_verdict_is_not_known() {
+    let faults = Faults {
+        on_first_after_s: 4.0,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("straight", 7.0, faults);
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    let at_s = driven.named_at_s("robot 2: for 0.5 s its poses have said that it is at");
+    assert!(at_s < 5.2, "{at_s}");
+    let late = driven.ticks.iter().filter(|tick| tick.time_s > at_s + 0.5);
+    let fastest_mps = late.map(|tick| tick.decision.speeds.speed_mps.abs());
+    assert_eq!(fastest_mps.fold(0.0, f64::max), 0.0);
+    assert_eq!(summary.verdict, Verdict::NotKnown);
+    let doubt = "poses of robot 2 said that it is where its commands cannot have led it";
+    assert!(report.doubts.iter().any(|text| text == doubt), "{report:?}");
+    let replay = driven.replay();
+    assert_eq!(replay.verdict, Verdict::NotKnown);
+    assert!(replay.doubts.iter().any(|text| text == doubt), "{replay:?}");
 }

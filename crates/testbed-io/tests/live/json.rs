@@ -8,7 +8,7 @@ use testbed_io::live::{
     CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, Session, StopSwitch,
 };
 use testbed_io::log_file::{LogFormat, write};
-use testbed_io::{Disturbances, Run, RunSpec};
+use testbed_io::{Disturbances, Run, RunSpec, Verdict};
 use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Testbed};
 
 use super::faulty::{self, Faults};
@@ -163,4 +163,28 @@ fn a_program_gives_the_poses_of_robots_that_hear_elsewhere() {
     let mut buffer = [0; 1024];
     let told = std::iter::from_fn(|| socket.recv_from(&mut buffer).ok());
     assert!(told.count() >= ticks.len() / 2);
+}
+
+#[test]
+fn a_program_that_ends_leaves_robots_that_may_move_and_no_safe_verdict() {
+    let mut python = std::process::Command::new("python3");
+    if python.arg("--version").output().is_err() {
+        println!("skipped: no python3");
+        return;
+    }
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let program = PosesSpec::Program(ProgramSpec {
+        command: ["timeout", "-s", "KILL", "4", "python3", robots]
+            .map(str::to_owned)
+            .to_vec(),
+        latency_s: 0.0,
+    });
+    let scenario = Scenario::new(scenario(2, 10.0)).unwrap();
+    let link = link(2, program, CommandsSpec::Program);
+    let (_, summary, report) = run(&scenario, &link, &StopSwitch::default(), |_| {});
+    assert!(matches!(report.ending, Ending::Lost(_)), "{report:?}");
+    assert_eq!(report.untold, [1, 2]);
+    assert_eq!(summary.verdict, Verdict::NotKnown);
+    let doubt = "robot 1 may not have got the command to stand";
+    assert!(report.doubts.iter().any(|text| text == doubt), "{report:?}");
 }
