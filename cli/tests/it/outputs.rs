@@ -311,6 +311,9 @@ fn unfinished(folder: &Path) -> Vec<String> {
 #[test]
 fn a_signal_leaves_no_unfinished_file() {
     for (signal, number) in [("-INT", 2), ("-TERM", 15), ("-HUP", 1)] {
+        if crate::program::is_ignored(number) {
+            continue;
+        }
         let folder = TempDir::new().unwrap();
         let drives = folder.path().join("s");
         let mut child = Command::new(env!("CARGO_BIN_EXE_drivekit"))
@@ -348,7 +351,7 @@ fn a_signal_leaves_no_unfinished_file() {
         let status = child.wait().unwrap();
         assert_eq!(
             std::os::unix::process::ExitStatusExt::signal(&status),
-            Some(number)
+            i32::try_from(number).ok()
         );
         assert_eq!(unfinished(&drives), Vec::<String>::new());
     }

@@ -11,9 +11,9 @@ use super::{Checked, constant_runs};
 use crate::prepare::median_step_s;
 use crate::{Action, Channel, FindingKind};
 
-/// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: 0.1 m/s at 1 Hz.
+/// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: whole km/h at 1 Hz.
 const LEAST_STEP_MPS: f64 = 0.05;
-const LEAST_STEP_MPS2: f64 = 0.2;
+const LEAST_STEP_MPS2: f64 = 0.3;
 
 /// Changes that tell the step, and the share of them that must be a multiple of it.
 const LEAST_CHANGES: usize = 20;
