@@ -280,9 +280,15 @@ fn without_outliers(mut points: Vec<(f64, f64)>, bandwidth_m: f64) -> Vec<(f64, 
 /// The bandwidth at which noise of the points leaves the slope to [`SLOPE_DEVIATION`]. A straight line through points of spacing
 /// `d` and deviation `σ` over a length `L` has a gradient of deviation `σ √(12 d/L³)`.
 fn widened_m(points: &[(f64, f64)], bandwidth_m: f64) -> f64 {
-    let off_m: Vec<f64> = points.windows(3).filter_map(off_neighbours_m).collect();
+    // farther apart, a hill looks like noise
+    let close = |three: &&[(f64, f64)]| three[2].0 - three[0].0 <= bandwidth_m;
+    let off_m: Vec<f64> = points
+        .windows(3)
+        .filter(close)
+        .filter_map(off_neighbours_m)
+        .collect();
     let spacing_m = match (points.first(), points.last()) {
-        (Some(first), Some(last)) if !off_m.is_empty() => (last.0 - first.0) / off_m.len() as f64,
+        (Some(first), Some(last)) => (last.0 - first.0) / points.len() as f64,
         _ => return bandwidth_m,
     };
     let deviation_m = DEVIATION_PER_MEDIAN * median(off_m);
