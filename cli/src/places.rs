@@ -72,7 +72,7 @@ fn is_file(arg: &Arg) -> bool {
 /// `FILE.svg` of `--plot FILE.svg`.
 fn shape(arg: &Arg) -> Option<&str> {
     let names = arg.get_value_names()?;
-    names.first().map(|name| name.as_str())
+    names.first().map(clap::builder::Str::as_str)
 }
 
 fn values<'a>(arg: &Arg, matches: &'a ArgMatches) -> impl Iterator<Item = &'a Path> {

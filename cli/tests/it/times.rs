@@ -55,7 +55,12 @@ fn folder() -> TempDir {
     let poses: String = (0..200)
         .map(|k| {
             let (t, angle) = (0.05 * f64::from(k), 0.01 * f64::from(k));
-            format!("{t},0,{},{},{}\n", angle.cos(), angle.sin(), angle + 1.5708)
+            format!(
+                "{t},0,{},{},{}\n",
+                angle.cos(),
+                angle.sin(),
+                angle + std::f64::consts::FRAC_PI_2
+            )
         })
         .collect();
     fs::write(

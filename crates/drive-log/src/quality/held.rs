@@ -133,8 +133,8 @@ fn updates(time_s: &[f64], values: &[f64], runs: &[Range<usize>], interval_s: f6
             .max(1.0);
         let step_s = (until_s - time_s[run.start]) / renewals;
         let mut next_s = time_s[run.start] + step_s;
-        for i in run.start + 1..run.end {
-            if time_s[i] >= next_s - 1e-9 && until_s - time_s[i] >= 0.5 * step_s {
+        for (i, t) in time_s.iter().enumerate().take(run.end).skip(run.start + 1) {
+            if *t >= next_s - 1e-9 && until_s - t >= 0.5 * step_s {
                 updates.push(i);
                 next_s += step_s;
             }

@@ -157,8 +157,8 @@ impl Pentadiagonal {
 
     /// Adds `weight · (c₀ xᵢ + c₁ xᵢ₊₁ + c₂ xᵢ₊₂)²`.
     fn add_square(&mut self, i: usize, c: [f64; 3], weight: f64) {
-        for k in 0..3 {
-            self.diagonal[i + k] += weight * c[k] * c[k];
+        for (diagonal, c) in self.diagonal[i..i + 3].iter_mut().zip(c) {
+            *diagonal += weight * c * c;
         }
         self.first[i] += weight * c[0] * c[1];
         self.first[i + 1] += weight * c[1] * c[2];

@@ -53,7 +53,7 @@ pub(super) fn convert(checked: &mut Checked) {
         return;
     };
     let too_fast = crash_mps2 > CRASH_MPS2;
-    if !too_fast && !(crawl_mps2 < CRAWL_MPS2 && stops_and_drives(&speeds)) {
+    if !(too_fast || crawl_mps2 < CRAWL_MPS2 && stops_and_drives(&speeds)) {
         return;
     }
     let step_s = median_step_s(time_s);

@@ -61,7 +61,7 @@ fn drive(step_s: f64) -> RawLog {
 
 /// Every second minute in the country.
 fn limit_mps(t_s: f64) -> f64 {
-    if (t_s / 120.0) as usize % 2 == 0 {
+    if ((t_s / 120.0) as usize).is_multiple_of(2) {
         50.0 / 3.6
     } else {
         100.0 / 3.6
@@ -97,7 +97,7 @@ fn without(log: &RawLog, dropped: &[Channel]) -> RawLog {
 
 fn times(log: &RawLog, channel: Channel, factor: f64) -> RawLog {
     changed(log, channel, |values| {
-        values.iter_mut().for_each(|v| *v *= factor)
+        values.iter_mut().for_each(|v| *v *= factor);
     })
 }
 
@@ -344,7 +344,7 @@ fn an_accelerometer_in_g_turned_or_both_is_put_right() {
 fn an_accelerometer_off_level_or_late_is_put_right() {
     let log = drive(0.1);
     let tilted = changed(&log, Channel::Accelerometer, |a| {
-        a.iter_mut().for_each(|a| *a += 0.85)
+        a.iter_mut().for_each(|a| *a += 0.85);
     });
     let checked = check(tilted);
     assert_eq!(
@@ -354,9 +354,9 @@ fn an_accelerometer_off_level_or_late_is_put_right() {
     for shift in [-10_isize, 12, 20] {
         let late = changed(&log, Channel::Accelerometer, |a| {
             let old = a.clone();
-            for i in 0..a.len() {
+            for (i, a) in a.iter_mut().enumerate() {
                 let from = (i as isize - shift).clamp(0, old.len() as isize - 1);
-                a[i] = old[from as usize];
+                *a = old[from as usize];
             }
         });
         let checked = check(late);
@@ -435,7 +435,7 @@ fn a_limit_of_nothing_or_beyond_every_country_is_none() {
     let unknown = |i: usize| (2000..3000).contains(&i);
     for code in [0.0, 255.0 / 3.6, 250.0 / 3.6, 99.0] {
         let log = changed(&drive(0.1), Channel::SpeedLimit, |limit| {
-            limit[2000..3000].fill(code)
+            limit[2000..3000].fill(code);
         });
         let checked = check(log);
         assert_eq!(
@@ -487,8 +487,8 @@ fn noise_at_standstill_and_reversing_are_nothing_wrong() {
             .iter_mut()
             .filter(|v| **v == 0.0)
             .for_each(|v| *v = -0.01);
-        for i in 0..80 {
-            speed[i] = -0.05 * i.min(79 - i) as f64;
+        for (i, v) in speed.iter_mut().take(80).enumerate() {
+            *v = -0.05 * i.min(79 - i) as f64;
         }
     });
     assert_eq!(check(log).findings, []);
@@ -526,7 +526,7 @@ fn a_wrong_sign_is_found_at_every_rate_and_in_short_logs() {
 #[test]
 fn a_current_without_a_sign_is_dropped() {
     let log = changed(&drive(1.0), Channel::BatteryCurrent, |a| {
-        a.iter_mut().for_each(|a| *a = a.abs())
+        a.iter_mut().for_each(|a| *a = a.abs());
     });
     let checked = check(log);
     assert_eq!(

@@ -10,6 +10,9 @@ const LEAST_WITH_LIMITS: f64 = 0.5;
 /// Why a drive is left out where the others know their limits.
 const NO_LIMITS: &str = "no speed limits, which the others have";
 
+/// A drive with the number of its unit.
+type OfUnit = (usize, Course);
+
 impl DirectSettings {
     /// The drives that are long enough for the longest horizon. Where those with speed limits are half of their time, the others
     /// are left out as well; where they are less, no drive keeps its limits, and models do without.
@@ -27,10 +30,7 @@ impl DirectSettings {
     }
 
     /// The same of drives with the number of their unit.
-    fn usable_of_units(
-        &self,
-        courses: Vec<(usize, Course)>,
-    ) -> Result<(Vec<(usize, Course)>, Vec<LeftOut>), Error> {
+    fn usable_of_units(&self, courses: Vec<OfUnit>) -> Result<(Vec<OfUnit>, Vec<LeftOut>), Error> {
         self.check()?;
         let (mut usable, mut left_out) = (Vec::new(), Vec::new());
         for (unit, course) in courses {
