@@ -37,7 +37,7 @@ pub struct Row {
 /// `speed_kmh` and so on, and `,`, `;` or tab as delimiter.
 ///
 /// Samples are put on a grid of the step, with straight lines between rows, as
-/// [`prepare`](crate::prepare) does. Rows without time or speed are left out. Where rows are further
+/// [`prepare`](crate::prepare()) does. Rows without time or speed are left out. Where rows are further
 /// apart than the longest gap, or the clock is set back, a new piece starts. Each of these is said in
 /// a remark.
 #[derive(Debug)]
