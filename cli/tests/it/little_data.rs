@@ -371,7 +371,7 @@ fn the_cases_of_little_data_end_with_figures_or_reasons() {
     assert!((kwh / 1.256 - 1.0).abs() < 5e-3, "{kwh}");
     energy("20-reverse/signed.csv");
     // its three logs are of one drive
-    let another = case("46-one-drive-without-limit/drive-01.csv");
+    let another = case("46-one-drive-without-limit/drive-02.csv");
     drivekit(&["evaluate", &case("34-negative-at-standstill"), &another]).ok();
 
     let mut arguments = vec!["evaluate", "--format", "json"];
