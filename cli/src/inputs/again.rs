@@ -60,14 +60,10 @@ impl Twice {
     }
 
     fn drive(input: &Input, of: &Input, why: Why) -> Self {
-        let shown = |input: &Input| match input.drive.name.split_once('#') {
-            Some((_, part)) => format!("{}#{part}", input.path),
-            None => input.path.clone(),
-        };
         Self {
-            path: shown(input),
+            path: input.place(),
             name: Some(input.drive.name.clone()),
-            same_as: shown(of),
+            same_as: of.place(),
             why,
         }
     }

@@ -64,10 +64,23 @@ impl Input {
         }
     }
 
-    /// For messages: the file, and which of its logs where there are several.
+    /// Which of the logs of its file it is, where there are several.
+    fn part(&self) -> Option<&str> {
+        self.drive.name.split_once('#').map(|(_, part)| part)
+    }
+
+    /// The file, with the log where there are several: `a/day.csv#trip=3`.
+    pub(crate) fn place(&self) -> String {
+        match self.part() {
+            Some(part) => format!("{}#{part}", self.path),
+            None => self.path.clone(),
+        }
+    }
+
+    /// The same for messages.
     pub(crate) fn label(&self) -> String {
-        match self.drive.name.split_once('#') {
-            Some((_, part)) => format!("`{}`, {part}", self.path),
+        match self.part() {
+            Some(part) => format!("`{}`, {part}", self.path),
             None => format!("`{}`", self.path),
         }
     }

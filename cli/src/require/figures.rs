@@ -112,28 +112,12 @@ fn nearest(figure: &str, candidates: Vec<String>) -> String {
     let mut candidates = candidates;
     candidates.sort();
     candidates.dedup();
-    candidates.sort_by_key(|candidate| distance(figure, candidate));
+    candidates.sort_by_key(|candidate| strsim::levenshtein(figure, candidate));
     let quoted = candidates
         .iter()
         .take(SUGGESTED)
         .map(|near| format!("`{near}`"));
     quoted.collect::<Vec<_>>().join(" or ")
-}
-
-/// Levenshtein's: letters to put in, take out or change.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 /// Gathers the figures that the keys lead to; `None` for what is not defined.
@@ -225,12 +209,5 @@ mod tests {
             let found = nearest_to(&figures, unknown).unwrap_or_default();
             assert!(found.starts_with(near), "{unknown}: {found}");
         }
-    }
-
-    #[test]
-    fn distances_count_letters() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "ab"), 2);
-        assert_eq!(distance("ab", "ab"), 0);
     }
 }

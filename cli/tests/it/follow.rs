@@ -238,14 +238,7 @@ fn what_has_come_is_printed_before_a_signal_ends_it() {
             assert!(stdout.read_line(&mut printed).unwrap() > 0);
         }
         std::thread::sleep(Duration::from_millis(300));
-        let pid = child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args([signal, &pid])
-                .status()
-                .unwrap()
-                .success()
-        );
+        crate::program::signal(&child, signal);
         std::io::Read::read_to_string(&mut stdout, &mut printed).unwrap();
         assert!(child.wait().unwrap().success());
         assert_eq!(lines(&printed), whole, "{signal}");

@@ -340,14 +340,7 @@ fn a_signal_leaves_no_unfinished_file() {
                 "too fast to be stopped"
             );
         }
-        let pid = child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args([signal, &pid])
-                .status()
-                .unwrap()
-                .success()
-        );
+        crate::program::signal(&child, signal);
         let status = child.wait().unwrap();
         assert_eq!(
             std::os::unix::process::ExitStatusExt::signal(&status),

@@ -92,3 +92,21 @@ pub(crate) fn is_ignored(signal: u32) -> bool {
         .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
+
+/// Sends a signal, `-INT` say.
+pub(crate) fn signal(child: &std::process::Child, signal: &str) {
+    let pid = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &pid]).status();
+    assert!(sent.unwrap().success());
+}
+
+/// Poses of one robot on a part of a circle, `poses.csv` in the folder.
+pub(crate) fn write_poses(folder: &Path) {
+    let mut poses = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for k in 0..200 {
+        let (t, angle) = (0.05 * f64::from(k), 0.01 * f64::from(k));
+        let heading = angle + std::f64::consts::FRAC_PI_2;
+        poses += &format!("{t},0,{},{},{heading}\n", angle.cos(), angle.sin());
+    }
+    std::fs::write(folder.join("poses.csv"), poses).unwrap();
+}

@@ -19,19 +19,7 @@ fn documents() -> Vec<(&'static str, Value)> {
     fs::write(folder.path().join("state.json"), state).unwrap();
     let points = "speed_mps,accel_mps2,grade\n10,0,0\n20,0.5,0\n";
     fs::write(folder.path().join("points.csv"), points).unwrap();
-    let poses: String = (0..200)
-        .map(|k| {
-            let (t, angle) = (0.05 * f64::from(k), 0.01 * f64::from(k));
-            format!(
-                "{t},0,{},{},{}\n",
-                angle.cos(),
-                angle.sin(),
-                angle + std::f64::consts::FRAC_PI_2
-            )
-        })
-        .collect();
-    let poses = "time_s,robot,x_m,y_m,heading_rad\n".to_owned() + &poses;
-    fs::write(folder.path().join("poses.csv"), poses).unwrap();
+    crate::program::write_poses(folder.path());
     let run = |args: &[&str]| drivekit_in(folder.path(), &[args, &["--format", "json"]].concat());
     let mut found = Vec::new();
     let mut add = |name, args: &[&str]| found.push((name, run(args).ok().json()));

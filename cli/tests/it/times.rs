@@ -52,22 +52,7 @@ fn folder() -> TempDir {
     }
     let state = r#"{"follower": {"x_m": 0.9, "y_m": 0, "speed_mps": 0.2, "heading_rad": 1.57, "turn_rate_rad_s": 0}}"#;
     fs::write(folder.path().join("state.json"), state).unwrap();
-    let poses: String = (0..200)
-        .map(|k| {
-            let (t, angle) = (0.05 * f64::from(k), 0.01 * f64::from(k));
-            format!(
-                "{t},0,{},{},{}\n",
-                angle.cos(),
-                angle.sin(),
-                angle + std::f64::consts::FRAC_PI_2
-            )
-        })
-        .collect();
-    fs::write(
-        folder.path().join("poses.csv"),
-        "time_s,robot,x_m,y_m,heading_rad\n".to_owned() + &poses,
-    )
-    .unwrap();
+    crate::program::write_poses(folder.path());
     folder
 }
 

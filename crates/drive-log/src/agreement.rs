@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::statistics::{correlation, slope};
+
 /// Steps from which a comparison says something.
 const LEAST_STEPS: usize = 20;
 
@@ -48,26 +50,18 @@ pub(crate) fn of_speed_and_accel(
 ) -> Option<Agreement> {
     let pairs: Vec<(f64, f64)> = (1..time_s.len().saturating_sub(1))
         .map(|i| {
-            let slope = (speed_mps[i + 1] - speed_mps[i - 1]) / (time_s[i + 1] - time_s[i - 1]);
-            (slope, accel_mps2[i])
+            let rate = (speed_mps[i + 1] - speed_mps[i - 1]) / (time_s[i + 1] - time_s[i - 1]);
+            (rate, accel_mps2[i])
         })
-        .filter(|(slope, accel)| slope.is_finite() && accel.is_finite())
+        .filter(|(rate, accel)| rate.is_finite() && accel.is_finite())
         .collect();
     if pairs.len() < LEAST_STEPS {
         return None;
     }
-    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
-    let (slope, accel) = (mean(|p| p.0), mean(|p| p.1));
-    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        pairs.iter().map(|p| of(p.0 - slope, p.1 - accel)).sum()
-    };
-    let (both, slopes, accels) = (sum(&|s, a| s * a), sum(&|s, _| s * s), sum(&|_, a| a * a));
-    if slopes <= 0.0 || accels <= 0.0 {
-        return None;
-    }
-    Some(Agreement {
-        correlation: both / (slopes * accels).sqrt(),
-        factor: (accels / slopes).sqrt() * both.signum(),
+    let correlation = correlation(&pairs);
+    (!correlation.is_nan()).then(|| Agreement {
+        correlation,
+        factor: slope(&pairs) / correlation.abs(),
     })
 }
 

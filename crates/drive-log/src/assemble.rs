@@ -8,12 +8,9 @@ use crate::layout::{LogPlan, Plan, TimeColumns};
 use crate::note::Note;
 use crate::number::number;
 use crate::origin::{self, DriveRows};
+use crate::quality::time::MAX_LATE;
 use crate::source::{Reading, Source, seconds};
-use crate::time_unit::check_scale;
 use crate::{Action, Channel, Error, FindingKind, RawLog};
-
-/// Samples that may come late before time is in disorder, as [`crate::check`] has it.
-const MAX_LATE: usize = 5;
 
 /// Carries out a plan: reads every column once and builds the logs from them.
 pub(crate) fn logs(
@@ -137,7 +134,6 @@ impl File<'_> {
                     }
                     log => log?,
                 };
-                check_scale(self.path, &self.header, &log)?;
                 let notes = notes.iter().chain(&of_time);
                 let findings = notes.filter_map(|note| note.finding(rows, log.time_s()));
                 log.findings = findings.collect();

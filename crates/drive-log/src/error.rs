@@ -220,23 +220,6 @@ pub enum Error {
         /// Its greatest value.
         to: f64,
     },
-    /// The speed changes faster than that of any vehicle.
-    #[error(
-        "{}: with steps of {step_s} s (column {header:?}) the speed changes by {found_mps2:.0} m/s^2 or more in a quarter of all samples, \
-         as no road vehicle does: its times, or its speeds, are in another unit than the header says; \
-         name the right one (time_s, time_ms, time_d), or give it in a layout: time = {{ header = {header:?}, unit = \"s\" }}",
-        path.display()
-    )]
-    TimeScale {
-        /// The file.
-        path: PathBuf,
-        /// Header of the time column.
-        header: String,
-        /// Median step, s.
-        step_s: f64,
-        /// Acceleration that a quarter of the samples exceeds, m/s².
-        found_mps2: f64,
-    },
     /// A header that names a speed and not its unit.
     #[error(
         "{}: the header {header:?} does not say in which unit the speed is; name it speed_kmh, speed_mps or speed_mph, \

@@ -12,9 +12,6 @@ pub(crate) const HEAD_BYTES: usize = 64 << 10;
 /// Longest first line, in bytes: ten thousand headers of a hundred letters.
 pub(crate) const LONGEST_LINE_BYTES: usize = 1 << 20;
 
-/// Binary bytes this early are no damage of a text.
-const START_BYTES: usize = 512;
-
 /// Lines that are searched for a row of numbers.
 const SEARCHED_LINES: usize = 200;
 
@@ -116,10 +113,11 @@ fn is_utf16(text: &[u8]) -> bool {
         || (text.len() > 3 && (text[0] == 0) != (text[1] == 0) && (text[0] == 0) == (text[2] == 0))
 }
 
+/// A single odd byte is damage of a text, which has an error of its own.
 fn is_binary(text: &[u8]) -> bool {
-    let start = &text[..text.len().min(START_BYTES)];
-    let control = |byte: &&u8| matches!(byte, 1..=8 | 14..=25 | 28..=31 | 127);
-    start.contains(&0) || 50 * text.iter().filter(control).count() > text.len()
+    let control = |byte: &&u8| matches!(byte, 0..=8 | 14..=25 | 28..=31 | 127);
+    let count = text.iter().filter(control).count();
+    count > 1 && 50 * count > text.len()
 }
 
 /// Whether a first line goes on after these bytes.

@@ -77,6 +77,7 @@ mod rows;
 mod smooth;
 mod source;
 mod stamp;
+mod statistics;
 mod summary;
 mod text;
 mod tidy;

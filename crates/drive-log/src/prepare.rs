@@ -66,14 +66,9 @@ pub struct Drive {
 pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
     positive("step_s", options.step_s)?;
     positive("max_gap_s", options.max_gap_s)?;
-    let (name, origin, samples, step_s) = (
-        log.name().to_owned(),
-        log.origin().clone(),
-        log.len(),
-        median_step_s(log.time_s()),
-    );
+    let (name, origin, samples) = (log.name().to_owned(), log.origin().clone(), log.len());
     if options.raw {
-        let findings = log.findings.clone();
+        let (findings, step_s) = (log.findings.clone(), median_step_s(log.time_s()));
         return Ok(Drive {
             name,
             origin,
@@ -95,6 +90,7 @@ pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
             found: finding.detail.clone(),
         });
     }
+    let step_s = median_step_s(checked.log.time_s());
     let (pieces, findings) = drives(checked, options)?;
     Ok(Drive {
         name,

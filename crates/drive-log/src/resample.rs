@@ -11,7 +11,7 @@ use crate::{
 
 /// Samples this close to a grid point, in steps, are on it: decimal times such as 0.3 are not
 /// multiples of 0.1 in binary.
-const ON_GRID: f64 = 1e-6;
+pub(crate) const ON_GRID: f64 = 1e-6;
 
 /// Samples of a grid at most: more than a month at 10 Hz, and a few GB with all channels.
 const MAX_SAMPLES: usize = 1 << 25;

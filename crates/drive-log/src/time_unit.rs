@@ -1,10 +1,7 @@
 //! What a column of times in numbers says about its unit.
 
-use std::path::Path;
-
 use crate::prepare::median_step_s;
 use crate::unit::Unit;
-use crate::{Channel, Error, RawLog};
 
 const DAY_S: f64 = 86_400.0;
 
@@ -79,45 +76,6 @@ fn leaps_over_the_minute(packed: &[f64], unpacked_s: &[f64], step_s: f64) -> boo
         .collect();
     let short = leaps.iter().filter(|leap| **leap <= 2.5 * step_s).count();
     short > 0 && 2 * short > leaps.len()
-}
-
-/// Samples over which a change of speed is looked at, and how many a log must have for it.
-const WINDOW: usize = 20;
-const LEAST_SAMPLES: usize = 40;
-
-/// More than any road vehicle brakes or accelerates, m/s², noise included.
-const IMPOSSIBLE_MPS2: f64 = 50.0;
-
-/// Refuses a log whose speed changes faster than any vehicle's in a quarter of all samples: its
-/// times are in another unit than the header says.
-pub(crate) fn check_scale(path: &Path, header: &str, log: &RawLog) -> Result<(), Error> {
-    let (time_s, Some(speed_mps)) = (log.time_s(), log.channel(Channel::Speed)) else {
-        return Ok(());
-    };
-    if time_s.len() < LEAST_SAMPLES {
-        return Ok(());
-    }
-    let mut accel_mps2: Vec<f64> = (WINDOW..time_s.len())
-        .map(|i| (speed_mps[i] - speed_mps[i - WINDOW]) / (time_s[i] - time_s[i - WINDOW]))
-        .filter(|accel| accel.is_finite())
-        .map(f64::abs)
-        .collect();
-    if accel_mps2.len() < WINDOW {
-        return Ok(());
-    }
-    let quartile = accel_mps2.len() * 3 / 4;
-    let found_mps2 = *accel_mps2
-        .select_nth_unstable_by(quartile, f64::total_cmp)
-        .1;
-    if found_mps2 <= IMPOSSIBLE_MPS2 {
-        return Ok(());
-    }
-    Err(Error::TimeScale {
-        path: path.to_owned(),
-        header: header.to_owned(),
-        step_s: median_step_s(time_s),
-        found_mps2,
-    })
 }
 
 #[cfg(test)]

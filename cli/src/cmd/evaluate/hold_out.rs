@@ -200,10 +200,7 @@ fn drive_names(inputs: &[Input]) -> Vec<String> {
         .iter()
         .map(|input| match count[input.drive.name.as_str()] {
             1 => input.drive.name.clone(),
-            _ => match input.drive.name.split_once('#') {
-                Some((_, part)) => format!("{}#{part}", input.path),
-                None => input.path.clone(),
-            },
+            _ => input.place(),
         });
     named.collect()
 }

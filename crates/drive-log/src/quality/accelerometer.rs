@@ -2,8 +2,8 @@
 
 use super::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
-use super::statistics::{correlation, mean, near, slope};
 use crate::prepare::median_step_s;
+use crate::statistics::{correlation, mean, near, slope};
 use crate::{Action, Channel, FindingKind};
 
 /// Seconds in motion that say something, faster than this, m/s, and by how much the car must change

@@ -52,6 +52,7 @@ pub(super) fn remove_speed(checked: &mut Checked) {
         })
         .collect();
     for run in runs {
+        let run = frozen_part(checked, run);
         let together = RESTLESS
             .into_iter()
             .filter(|c| freezes_in(checked, *c, &run))
@@ -84,6 +85,25 @@ pub(super) fn remove_speed(checked: &mut Checked) {
             checked.remove(channel, run.start + 1..run.end);
         }
     }
+}
+
+/// The part of a run in which the two channels that stand still for longest do so too: a rounded speed may have stood before.
+fn frozen_part(checked: &Checked, run: Range<usize>) -> Range<usize> {
+    let still = RESTLESS.into_iter().filter_map(|channel| {
+        let values = &checked.values(channel)?[run.clone()];
+        let longest = constant_runs(values).max_by_key(Range::len)?;
+        Some(run.start + longest.start..run.start + longest.end)
+    });
+    let mut still: Vec<Range<usize>> = still.collect();
+    still.sort_by_key(|part| std::cmp::Reverse(part.len()));
+    let [first, second, ..] = still.as_slice() else {
+        return run;
+    };
+    let part = first.start.max(second.start)..first.end.min(second.end);
+    if part.is_empty() || checked.duration_s(&part) < TOGETHER_LIVELY_S {
+        return run;
+    }
+    part
 }
 
 fn report(checked: &mut Checked, channel: Channel, run: &Range<usize>, action: Action) {

@@ -3,22 +3,15 @@
 use std::ops::Range;
 
 use super::Checked;
+use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
-/// Measured all the time; limits, and powers that are set, hold their values by themselves.
-const MEASURED: [Channel; 12] = [
-    Channel::Speed,
-    Channel::Accel,
-    Channel::Accelerometer,
-    Channel::Slope,
-    Channel::Elevation,
-    Channel::LeadGap,
-    Channel::LeadSpeed,
-    Channel::BatteryVoltage,
-    Channel::BatteryCurrent,
-    Channel::StateOfCharge,
-    Channel::MotorTorque,
-    Channel::AmbientTemperature,
+/// Limits, and powers that are set, hold their values by themselves; everything else is measured all the time.
+const SET: [Channel; 4] = [
+    Channel::SpeedLimit,
+    Channel::AuxPower,
+    Channel::HeatingPower,
+    Channel::HeatingRequest,
 ];
 
 /// Changes that tell how often a channel changes.
@@ -42,7 +35,7 @@ const SLOWEST_SPEED_S: f64 = 2.0;
 
 /// Puts the line between updates in the place of values that were repeated until the next one.
 pub(super) fn collapse(checked: &mut Checked) {
-    for channel in MEASURED {
+    for channel in Channel::ALL.into_iter().filter(|c| !SET.contains(c)) {
         let Some(values) = checked.values(channel) else {
             continue;
         };
@@ -89,13 +82,14 @@ fn update_interval_s(time_s: &[f64], values: &[f64], runs: &[Range<usize>]) -> O
             )
         })
         .collect();
-    let digit = quantile(changes.iter().map(|change| change.0).collect(), 0.05)?;
-    let held: Vec<f64> = changes
+    let mut jumps: Vec<f64> = changes.iter().map(|change| change.0).collect();
+    let digit = quantile(&mut jumps, 0.05)?;
+    let mut held: Vec<f64> = changes
         .iter()
         .filter(|(jump, _, rows)| *rows >= 2 && *jump >= DIGITS * digit)
         .map(|change| change.1)
         .collect();
-    let interval_s = quantile(held.clone(), 0.5)?;
+    let interval_s = quantile(&mut held, 0.5)?;
     let regular = held
         .iter()
         .filter(|s| REGULAR.contains(&(**s / interval_s)))
@@ -108,13 +102,6 @@ fn update_interval_s(time_s: &[f64], values: &[f64], runs: &[Range<usize>]) -> O
         && regular as f64 >= REGULAR_SHARE * held.len() as f64
         && sooner as f64 <= SOONER_SHARE * changes.len() as f64)
         .then_some(interval_s)
-}
-
-/// Lower quantile; `None` of nothing.
-pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
-    let last = values.len().checked_sub(1)?;
-    let at = (share * last as f64) as usize;
-    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 /// The first sample of each run, and in a run that lasts for several intervals those at which it was renewed.

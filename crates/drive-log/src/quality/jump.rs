@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Checked;
+use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
 /// Acceleration that tyres cannot transmit, m/s², and what a coarse sensor may add in one step,
@@ -199,8 +200,8 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
 /// Standard deviation of the difference of two elevations that follow each other, as noise makes it, m.
 fn scatter_m(elevation_m: &[f64]) -> f64 {
     let steps_m = elevation_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let steps_m: Vec<f64> = steps_m.filter(|step_m| step_m.is_finite()).collect();
-    DEVIATION_PER_MEDIAN * super::held::quantile(steps_m, 0.5).unwrap_or(0.0)
+    let mut steps_m: Vec<f64> = steps_m.filter(|step_m| step_m.is_finite()).collect();
+    DEVIATION_PER_MEDIAN * quantile(&mut steps_m, 0.5).unwrap_or(0.0)
 }
 
 fn report_noise(checked: &mut Checked, samples: usize, scatter_m: f64) {

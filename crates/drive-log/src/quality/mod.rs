@@ -16,8 +16,7 @@ mod range;
 mod sentinel;
 mod sign;
 mod speed_unit;
-mod statistics;
-mod time;
+pub(crate) mod time;
 mod time_unit;
 mod unit_change;
 

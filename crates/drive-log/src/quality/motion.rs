@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::statistics::mean;
+use crate::statistics::mean;
 use crate::{Channel, RawLog};
 
 /// Less than a second is noise, more blurs gear changes and regeneration; samples that are further

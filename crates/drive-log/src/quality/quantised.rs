@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-use super::held::quantile;
 use super::{Checked, constant_runs};
 use crate::prepare::median_step_s;
+use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
 /// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: whole km/h at 1 Hz.
@@ -60,7 +60,7 @@ pub(super) fn smooth_speed(checked: &mut Checked) {
 /// Step of a rounded speed, m/s; `None` where it is fine.
 fn step_mps(speed_mps: &[f64]) -> Option<f64> {
     let runs: Vec<Range<usize>> = constant_runs(speed_mps).collect();
-    let jumps_mps: Vec<f64> = runs
+    let mut jumps_mps: Vec<f64> = runs
         .windows(2)
         .filter(|pair| pair[0].end == pair[1].start)
         .map(|pair| (speed_mps[pair[1].start] - speed_mps[pair[0].start]).abs())
@@ -68,7 +68,7 @@ fn step_mps(speed_mps: &[f64]) -> Option<f64> {
     if jumps_mps.len() < LEAST_CHANGES {
         return None;
     }
-    let step_mps = quantile(jumps_mps.clone(), 0.05)?;
+    let step_mps = quantile(&mut jumps_mps, 0.05)?;
     let is_multiple = |jump: &&f64| {
         let steps = *jump / step_mps;
         (steps - steps.round()).abs() < 1e-3 && steps > 0.5

@@ -2,7 +2,7 @@
 
 use super::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
-use super::statistics::{correlation, significance};
+use crate::statistics::{correlation, significance};
 use crate::{Action, Channel, FindingKind};
 
 /// The correlation that turns the sign, and the standard deviations that it must be off 0: power

@@ -3,7 +3,7 @@
 use super::Checked;
 use super::motion::{Span, spans};
 use super::power::{Load, Usual, loads};
-use super::statistics::{correlation, near, quantile, slope};
+use crate::statistics::{correlation, near, quantile, slope};
 use crate::{Action, Channel, FindingKind, RawLog};
 
 /// Speeds that are read in the wrong unit, and how many times too large they are then, from the

@@ -5,7 +5,7 @@ use crate::prepare::median_step_s;
 use crate::{Action, Finding, FindingKind, RawLog};
 
 /// Samples that may come late before it is the clock that was set back.
-const MAX_LATE: usize = 5;
+pub(crate) const MAX_LATE: usize = 5;
 
 /// A step over this many median steps is a gap: at least two samples are lost.
 const GAP_STEPS: f64 = 2.5;

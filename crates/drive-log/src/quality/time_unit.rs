@@ -1,12 +1,12 @@
 //! Times in another unit than their header says.
 
 use super::Checked;
-use super::statistics::quantile;
 use crate::prepare::median_step_s;
+use crate::statistics::quantile;
 use crate::{Action, Finding, FindingKind};
 
 /// Units that are taken for others, and the factor that puts the times right.
-const MISTAKES: [(f64, &str); 8] = [
+const MISTAKES: [(f64, &str); 9] = [
     (1e-6, "us read as s"),
     (1e-3, "ms read as s, or us as ms"),
     (1.0 / 3600.0, "s read as h"),
@@ -14,11 +14,12 @@ const MISTAKES: [(f64, &str); 8] = [
     (60.0, "min read as s"),
     (1e3, "s read as ms"),
     (3600.0, "h read as s"),
+    (86_400.0, "days read as s"),
     (1e6, "s read as us"),
 ];
 
 /// Speeds that tell.
-const SAMPLES: usize = 100;
+const SAMPLES: usize = 40;
 
 /// Of windows of a hundredth of the log, and at least so many samples, a quarter changes the speed by
 /// more than this only in crashes, m/s².

@@ -1,12 +1,8 @@
 //! Samples on a grid, while they come.
 
 use super::Row;
-
-/// Samples this close to a grid point, in steps, are on it, as when a whole log is resampled.
-const ON_GRID: f64 = 1e-6;
-
-/// Rows in succession that may come late before it is the clock that was set back.
-const MAX_LATE: usize = 5;
+use crate::quality::time::MAX_LATE;
+use crate::resample::ON_GRID;
 
 /// A row as it came.
 #[derive(Debug, Clone, Copy)]

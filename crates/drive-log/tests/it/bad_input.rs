@@ -45,10 +45,7 @@ fn binary_content() {
         b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
         &["a PNG picture", "no log"],
     );
-    message(
-        b"time_s,speed_mps\n0,1\n0.1,\0\n",
-        &["binary data", "no log"],
-    );
+    message(b"time_s,speed_mps\n0,1\n0.1,\0\n", &["NUL byte", "byte 25"]);
     message(b"\x1b\x1b\x1b\x07\n\x80\n", &["no log"]);
 }
 

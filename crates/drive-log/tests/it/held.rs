@@ -4,6 +4,7 @@ use drive_log::{
     Action, Channel, Checked, Drive, FindingKind, Preparation, RawLog, check, prepare,
 };
 
+use crate::quality::{changed, traffic};
 use crate::{raw, ten_hertz};
 
 const LEN: usize = 6000;
@@ -179,4 +180,31 @@ fn a_rounded_speed_that_is_held_is_both() {
 #[test]
 fn a_speed_in_fine_steps_is_left_alone() {
     assert_eq!(check(log(rounded(&speed_mps(), 0.01 / 3.6))).findings, []);
+}
+
+#[test]
+fn a_rounded_speed_that_freezes_with_other_channels_is_frozen() {
+    let mut frozen = traffic(9000);
+    for channel in [
+        Channel::Speed,
+        Channel::MotorTorque,
+        Channel::BatteryVoltage,
+        Channel::BatteryCurrent,
+    ] {
+        frozen = changed(&frozen, channel, |values| {
+            let last = values[4000];
+            values[4000..8000].fill(last);
+        });
+    }
+    let log = changed(&frozen, Channel::Speed, |speed| {
+        *speed = rounded(speed, 1.0 / 3.6);
+    });
+    let removed: Vec<String> = check(log)
+        .findings
+        .into_iter()
+        .filter(|f| f.kind == FindingKind::Frozen && f.action == Action::Removed)
+        .map(|f| f.channel)
+        .collect();
+    assert_eq!(removed[0], "speed_mps", "{removed:?}");
+    assert_eq!(removed.len(), 4, "{removed:?}");
 }

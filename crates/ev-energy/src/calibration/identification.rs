@@ -78,7 +78,7 @@ impl fmt::Display for Untold {
             Self::FewTrips(different) => {
                 write!(
                     f,
-                    "an interval needs 3 different trips, different ones are {different}"
+                    "an interval needs {FEWEST_TRIPS} different trips, different ones are {different}"
                 )
             }
             Self::NoWidth => f.write_str("an interval of width 0: the trips are all alike"),

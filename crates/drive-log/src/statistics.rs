@@ -1,24 +1,24 @@
 //! Figures of samples.
 
 /// Correlation of pairs; NaN where one of the two does not vary.
-pub(super) fn correlation(pairs: &[(f64, f64)]) -> f64 {
+pub(crate) fn correlation(pairs: &[(f64, f64)]) -> f64 {
     let Moments { xx, yy, xy } = Moments::of(pairs);
     xy / (xx * yy).sqrt()
 }
 
 /// Slope of the straight line that fits `y` over `x` best; NaN where `x` does not vary.
-pub(super) fn slope(pairs: &[(f64, f64)]) -> f64 {
+pub(crate) fn slope(pairs: &[(f64, f64)]) -> f64 {
     let Moments { xx, xy, .. } = Moments::of(pairs);
     xy / xx
 }
 
 /// Standard deviations by which a correlation of `count` pairs is off 0, after Fisher.
-pub(super) fn significance(correlation: f64, count: usize) -> f64 {
+pub(crate) fn significance(correlation: f64, count: usize) -> f64 {
     correlation.atanh() * (count.max(3) as f64 - 3.0).sqrt()
 }
 
 /// The value below which a share of the values lies; `None` without values.
-pub(super) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
+pub(crate) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let at = (share * last as f64).round() as usize;
     Some(
@@ -29,7 +29,7 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
 }
 
 /// The mean of the values that are finite.
-pub(super) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+pub(crate) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0_usize);
     for value in values.into_iter().filter(|v| v.is_finite()) {
         sum += value;
@@ -65,6 +65,6 @@ impl Moments {
 }
 
 /// Whether a value is a target but for a factor of up to `1 + tolerance`.
-pub(super) fn near(value: f64, target: f64, tolerance: f64) -> bool {
+pub(crate) fn near(value: f64, target: f64, tolerance: f64) -> bool {
     (value / target).ln().abs() <= tolerance.ln_1p()
 }
