@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
-use driver_model::synth::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
+use drive_sim::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
 use driver_model::{FittedModel, ModelFile, ModelKind, TrainingRecord};
 use serde::Serialize;
 

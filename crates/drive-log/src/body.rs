@@ -4,7 +4,9 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
-use polars::prelude::*;
+use polars_core::prelude::{Column, DataType, Field, PlSmallStr, PolarsResult, Schema};
+use polars_io::SerReader;
+use polars_io::csv::read::{CsvEncoding, CsvReadOptions};
 
 use crate::cells::RowByRow;
 use crate::note::Note;
@@ -231,7 +233,7 @@ fn fast(
 }
 
 /// The values of a column of floats, NaN for null.
-pub(crate) fn floats(column: &Column) -> PolarsResult<Vec<f64>> {
+fn floats(column: &Column) -> PolarsResult<Vec<f64>> {
     let values = column.f64()?;
     let mut floats = Vec::with_capacity(values.len());
     for chunk in values.downcast_iter() {

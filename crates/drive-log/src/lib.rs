@@ -66,7 +66,6 @@ mod note;
 mod number;
 mod openacc;
 mod origin;
-mod pages;
 mod parquet;
 mod prepare;
 mod quality;

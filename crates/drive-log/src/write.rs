@@ -2,9 +2,9 @@
 
 use std::io::Write;
 
-use polars::prelude::*;
+use parquet_table::{Column, Values};
 
-use crate::{Channel, DriveLog, Error};
+use crate::{DriveLog, Error};
 
 /// Writes a drive as CSV with canonical headers, `time_s` first, in the shortest digits that read
 /// back exactly; missing values are empty, and times are rounded to nanoseconds.
@@ -44,22 +44,14 @@ pub fn write_csv(log: &DriveLog, mut out: impl Write) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Encode`] if the drive cannot be encoded or `out` fails.
 pub fn write_parquet(log: &DriveLog, out: impl Write) -> Result<(), Error> {
-    let time_s: Vec<f64> = (0..log.len()).map(|i| log.time_s(i)).collect();
-    let mut columns = vec![Column::new("time_s".into(), time_s)];
-    columns.extend(
-        log.channels()
-            .map(|(channel, values)| column(channel, values)),
-    );
-    DataFrame::new(log.len(), columns)
-        .and_then(|mut frame| ParquetWriter::new(out).finish(&mut frame))
-        .map(|_| ())
-        .map_err(|e| Error::Encode {
-            log: log.name().to_owned(),
-            problem: e.to_string(),
-        })
-}
-
-fn column(channel: Channel, values: &[f64]) -> Column {
-    let values: Vec<Option<f64>> = values.iter().map(|v| (!v.is_nan()).then_some(*v)).collect();
-    Column::new(channel.name().into(), values)
+    let time_s = (0..log.len()).map(|i| log.time_s(i)).collect();
+    let mut columns = vec![Column::new("time_s", Values::Float(time_s))];
+    let channels = log.channels();
+    columns.extend(channels.map(|(channel, values)| {
+        Column::new(channel.name(), Values::Float(values.to_vec()))
+    }));
+    parquet_table::write(&columns, &[], out).map_err(|e| Error::Encode {
+        log: log.name().to_owned(),
+        problem: e.to_string(),
+    })
 }

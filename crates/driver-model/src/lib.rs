@@ -82,7 +82,6 @@ mod segmenter;
 mod statistical;
 mod statistics;
 mod stream;
-pub mod synth;
 mod tally;
 mod training;
 pub mod trajectory;

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use drive_log::{Channel, Error, LayoutChoice, LogFile, read_bytes};
-use polars::prelude::*;
+use polars_core::prelude::*;
+use polars_io::parquet::write::ParquetWriter;
 
 /// A Parquet file of these columns.
 fn parquet(columns: Vec<Column>) -> Vec<u8> {

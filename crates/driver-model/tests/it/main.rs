@@ -22,5 +22,4 @@ mod phases;
 mod reference_vectors;
 mod step_response;
 mod support;
-mod synth;
 mod weights;

@@ -42,7 +42,7 @@ impl<W: Write> Sheet<W> {
         let mut sheet = Self {
             writer: Writer::from_writer(out),
             check: Check::default(),
-            types: columns.iter().map(|c| letter(c.values.kind())).collect(),
+            types: columns.iter().map(|c| letter(Kind::of(&c.values))).collect(),
             meta: meta.to_owned(),
             is_begun: false,
         };

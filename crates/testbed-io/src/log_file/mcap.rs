@@ -221,7 +221,7 @@ fn nanoseconds(name: &str, times_s: &[f64]) -> Result<Vec<u64>, Error> {
 fn metadata(table: &LogTable) -> Metadata {
     let columns = table.columns().iter();
     let columns: Vec<(&str, Kind)> = columns
-        .map(|column| (column.name.as_str(), column.values.kind()))
+        .map(|column| (column.name.as_str(), Kind::of(&column.values)))
         .collect();
     Metadata {
         name: NAME.to_owned(),
@@ -236,7 +236,7 @@ fn metadata(table: &LogTable) -> Metadata {
 /// infinities, for which JSON has no number, stand in an object of their own.
 fn tick_schema(table: &LogTable) -> Value {
     let properties = table.columns().iter().map(|column| {
-        let kind = match column.values.kind() {
+        let kind = match Kind::of(&column.values) {
             Kind::Float => "number",
             Kind::Integer => "integer",
             Kind::Text => "string",

@@ -3,10 +3,10 @@
 //! | format  | for | metadata | NaN | infinities | cut short |
 //! |---------|-----|----------|-----|------------|-----------|
 //! | CSV     | reading by eye and anywhere | column `about` | empty | `inf`, `-inf` | whole lines |
-//! | Parquet | notebooks | key `drivekit` of the footer | NaN | kept | nothing |
+//! | Parquet | notebooks | key `drivekit` of the footer | null | kept | nothing |
 //! | MCAP    | Foxglove, robot tools | record `drivekit` | left out | `"inf"`, `"-inf"`, apart | whole chunks |
 //!
-//! What is written reads back to the same bits, except the payload of NaNs in CSV and MCAP.
+//! What is written reads back to the same bits, except the payload of NaNs.
 //! A CSV file marks its last row, so that a cut between two lines is known too; one that is written while the run goes on does not.
 //! Damage is found by checks, and told apart from a cut.
 
@@ -16,7 +16,6 @@ mod csv_old;
 mod journal;
 mod mcap;
 mod mcap_read;
-mod pages;
 mod parquet;
 mod records;
 
@@ -29,57 +28,12 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 
 pub use journal::Journal;
+pub use parquet_table::{Column, Values};
 
 /// The most that is read into memory, in bytes, as a file and after decompression.
 const MAX_BYTES: u64 = 1 << 30;
 const MAX_COLUMNS: usize = 10_000;
 const DAMAGED: &str = "copy the file again, or log the run again";
-
-/// The values of a column, one per row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// Numbers; NaN where there is none
-    Float(Vec<f64>),
-    /// Whole numbers
-    Integer(Vec<i64>),
-    /// Texts
-    Text(Vec<String>),
-}
-
-impl Values {
-    /// The number of values.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        match self {
-            Values::Float(values) => values.len(),
-            Values::Integer(values) => values.len(),
-            Values::Text(values) => values.len(),
-        }
-    }
-
-    /// Whether there are no values.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn kind(&self) -> Kind {
-        match self {
-            Values::Float(_) => Kind::Float,
-            Values::Integer(_) => Kind::Integer,
-            Values::Text(_) => Kind::Text,
-        }
-    }
-}
-
-/// A column of a run log.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// What the column holds, with its unit, as `speed_mps`
-    pub name: String,
-    /// One value per row
-    pub values: Values,
-}
 
 /// Which type of values a column has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,6 +45,14 @@ enum Kind {
 }
 
 impl Kind {
+    fn of(values: &Values) -> Kind {
+        match values {
+            Values::Float(_) => Kind::Float,
+            Values::Integer(_) => Kind::Integer,
+            Values::Text(_) => Kind::Text,
+        }
+    }
+
     fn column(self, name: String) -> Column {
         let values = match self {
             Kind::Float => Values::Float(Vec::new()),

@@ -1,11 +1,45 @@
 //! Without variation, noise and leaders models find the truth that made the drives.
 
+use drive_log::{Channel, DriveLog};
+use drive_sim::{SimulatedDriver, SynthSettings};
 use driver_model::phase_model::{Exponential, Inverse, Profile, RiseTime};
-use driver_model::synth::{SimulatedDriver, SynthSettings};
-use driver_model::{AccelPoint, DriverModel, EvaluationSettings, ModelKind, PhaseCurve, PhaseKind};
+use driver_model::{
+    AccelPoint, DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseOutline, TrainingPhase,
+    TrainingSet,
+};
 
-use super::{complete_accelerations, curve, found, ideal, run};
-use crate::support::{line, plain_set};
+use crate::simulate::{complete_accelerations, curve, found, ideal, run};
+
+/// Half the width of the usual band, 3 km/h.
+const BAND_MPS: f64 = 1.5 / 3.6;
+
+/// A straight line with this outline.
+fn line(outline: PhaseOutline) -> PhaseCurve {
+    let (from_mps, gain_mps) = (outline.start_speed_mps, outline.gain_mps());
+    let last = (outline.samples - 1) as f64;
+    let speed = |k: usize| from_mps + gain_mps * (k as f64 / last);
+    let speed_mps = (0..outline.samples).map(speed).collect();
+    let channels = [(Channel::Speed, speed_mps)].into_iter().collect();
+    let log = DriveLog::new("log", 0.0, outline.step_s, channels).unwrap();
+    let phase = Phase {
+        start: 0,
+        end: outline.samples,
+        kind: PhaseKind::Acceleration,
+        lead_influenced: false,
+    };
+    PhaseCurve::cut(&log, None, &phase).unwrap()
+}
+
+fn set(curves: &[PhaseCurve]) -> TrainingSet<'_> {
+    let mut training = TrainingSet::default();
+    let phase = |(k, curve)| TrainingPhase {
+        curve,
+        trip: k / 10,
+        weight: 1.0,
+    };
+    training.phases.extend(curves.iter().enumerate().map(phase));
+    training
+}
 
 #[test]
 fn the_true_model_predicts_every_complete_phase() {
@@ -33,7 +67,6 @@ fn the_true_model_predicts_every_complete_phase() {
 #[test]
 fn the_true_functions_stay_in_band_on_phases_as_they_are_found() {
     // Acceleration as a function of speed holds wherever a phase is cut; the others are told the ends of the cut.
-    let band_mps = 0.5 * EvaluationSettings::default().band_mps;
     for kind in [
         ModelKind::Inverse,
         ModelKind::Exponential,
@@ -45,7 +78,7 @@ fn the_true_functions_stay_in_band_on_phases_as_they_are_found() {
             for phase in found(&drive).phases_of(PhaseKind::Acceleration) {
                 let truth = settings.driver.acceleration.predict(&phase.outline());
                 for (a, b) in truth.iter().zip(phase.speed_mps()) {
-                    assert!((a - b).abs() <= band_mps, "{kind} {a} {b}");
+                    assert!((a - b).abs() <= BAND_MPS, "{kind} {a} {b}");
                 }
             }
         }
@@ -165,7 +198,7 @@ fn rise_time_finds_every_constant() {
         .flat_map(complete_accelerations)
         .map(|phase| line(phase.outline(settings.step_s)))
         .collect();
-    let fit = RiseTime::fit(&plain_set(&curves), RiseTime::RISE_TIME_CONSTANTS).unwrap();
+    let fit = RiseTime::fit(&set(&curves), RiseTime::RISE_TIME_CONSTANTS).unwrap();
     assert!(fit.groups.len() >= 4);
     for group in &fit.groups {
         let (truth_s, own) = truth.constant_for(group.group);
@@ -181,7 +214,7 @@ fn profile_finds_the_shape() {
         unreachable!()
     };
     let curves = complete_curves(&settings);
-    let fit = Profile::fit(&plain_set(&curves)).unwrap();
+    let fit = Profile::fit(&set(&curves)).unwrap();
     for (a, b) in fit.shape.iter().zip(&truth.shape) {
         // A curve of 30 samples is read between them.
         assert!((a - b).abs() < 2e-3, "{a} {b}");

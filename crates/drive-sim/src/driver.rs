@@ -1,11 +1,12 @@
-use serde::Serialize;
-
-use super::check;
-use super::random::Random;
-use crate::phase_model::{
+use driver_model::phase_model::{
     Constant, Exponential, GroupConstant, Inverse, Profile, RiseTime, SpeedGroup,
 };
-use crate::{DriverModel, Error, Idm, ModelKind, PhaseOutline};
+use driver_model::{DriverModel, Idm, ModelKind, PhaseOutline};
+use serde::Serialize;
+
+use crate::error::check;
+use crate::random::Random;
+use crate::Error;
 
 /// A driver whose every habit is known.
 #[derive(Debug, Clone, PartialEq, Serialize)]

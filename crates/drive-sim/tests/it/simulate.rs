@@ -1,30 +1,28 @@
-//! Simulated drives: what holds for all of them.
-
-mod recovery;
+//! What holds for all simulated drives.
 
 use std::path::Path;
 
 use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation};
-use driver_model::synth::{
-    Regime, SimulatedDrive, SimulatedDriver, SynthSettings, TRUTH_SCHEMA, TruePhase, Truth,
+use drive_sim::{
+    Error, Regime, SimulatedDrive, SimulatedDriver, SynthSettings, TRUTH_SCHEMA, TruePhase, Truth,
     simulate,
 };
 use driver_model::{
-    DriverModel, Error, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip,
+    DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
 
-fn vehicle() -> Vehicle {
+pub(crate) fn vehicle() -> Vehicle {
     Vehicle::builtin("b250e").unwrap()
 }
 
-fn run(settings: &SynthSettings) -> Vec<SimulatedDrive> {
+pub(crate) fn run(settings: &SynthSettings) -> Vec<SimulatedDrive> {
     simulate(settings, &vehicle()).unwrap()
 }
 
 /// Every phase alike, nobody in the way, sensors exact.
-fn ideal(kind: ModelKind) -> SynthSettings {
+pub(crate) fn ideal(kind: ModelKind) -> SynthSettings {
     SynthSettings {
         drives: 4,
         driver: SimulatedDriver::with(kind).unwrap(),
@@ -42,14 +40,14 @@ fn bits(log: &DriveLog) -> Vec<(Channel, Vec<u64>)> {
         .collect()
 }
 
-fn complete_accelerations(drive: &SimulatedDrive) -> impl Iterator<Item = &TruePhase> {
+pub(crate) fn complete_accelerations(drive: &SimulatedDrive) -> impl Iterator<Item = &TruePhase> {
     drive
         .phases
         .iter()
         .filter(|p| p.regime == Regime::Acceleration && p.complete)
 }
 
-fn curve(log: &DriveLog, phase: &TruePhase) -> PhaseCurve {
+pub(crate) fn curve(log: &DriveLog, phase: &TruePhase) -> PhaseCurve {
     let phase = Phase {
         start: phase.start,
         end: phase.end,
@@ -245,7 +243,7 @@ fn read_back(drive: &SimulatedDrive) -> (usize, Drive) {
 }
 
 /// Phases as the heuristic route finds them.
-fn found(drive: &SimulatedDrive) -> Trip {
+pub(crate) fn found(drive: &SimulatedDrive) -> Trip {
     Trip::from_drive(&read_back(drive).1, &PhaseSettings::default()).unwrap()
 }
 
@@ -301,7 +299,7 @@ fn settings_out_of_range_are_named() {
         let mut settings = SynthSettings::default();
         change(&mut settings);
         match simulate(&settings, &vehicle()) {
-            Err(Error::Option { name, .. }) => name,
+            Err(Error::Setting { name, .. }) => name,
             other => panic!("{other:?}"),
         }
     };

@@ -2,7 +2,7 @@
 //!
 //! A driver of given habits takes a road of stretches with speed limits, stops, turns and hills:
 //!
-//! - accelerates to the limit plus a bias, by one of the models of this crate,
+//! - accelerates to the limit plus a bias, by one of the models of [`driver_model`],
 //! - cruises with correlated deviations,
 //! - brakes so that the lower speed is reached at the sign,
 //! - follows vehicles ahead by the intelligent driver model.
@@ -14,7 +14,7 @@
 //! last digit of the log, so that a fit must find the parameters.
 //!
 //! ```
-//! use driver_model::synth::{Regime, SynthSettings, simulate};
+//! use drive_sim::{Regime, SynthSettings, simulate};
 //! use ev_energy::Vehicle;
 //!
 //! let settings = SynthSettings { seed: 7, drives: 2, duration_s: 120.0, ..SynthSettings::default() };
@@ -23,7 +23,7 @@
 //! assert_eq!(drives[1].log.name(), "drive-02");
 //! assert_eq!(drives[0].log.len(), 1200);
 //! assert!(drives[0].phases.iter().any(|phase| phase.regime == Regime::Acceleration));
-//! # Ok::<(), driver_model::Error>(())
+//! # Ok::<(), drive_sim::Error>(())
 //! ```
 //!
 //! # References
@@ -36,20 +36,22 @@
 mod braking;
 mod drive;
 mod driver;
+mod error;
 mod random;
 mod route;
 mod sensors;
 mod traffic;
 
 pub use driver::{Cruise, Pace, SimulatedDriver};
-
-use std::ops::RangeInclusive;
+pub use error::Error;
 
 use drive_log::DriveLog;
+use driver_model::PhaseOutline;
 use ev_energy::Vehicle;
 use serde::Serialize;
 
-use crate::{Error, PhaseOutline};
+use error::check;
+
 use random::{Random, Stream};
 use route::Route;
 use traffic::Traffic;
@@ -173,7 +175,7 @@ pub const TRUTH_SCHEMA: &str = "drivekit/truth/1";
 pub struct Truth<'a> {
     /// [`TRUTH_SCHEMA`].
     pub schema: &'static str,
-    /// Settings with the driver; `driver.acceleration` has the form of the model in a [`crate::ModelFile`].
+    /// Settings with the driver; `driver.acceleration` has the form of the model in a [`driver_model::ModelFile`].
     pub settings: &'a SynthSettings,
     /// Name of the vehicle.
     pub vehicle: &'a str,
@@ -216,7 +218,7 @@ impl<'a> Truth<'a> {
 /// Simulates drives.
 ///
 /// # Errors
-/// [`Error::Option`] for settings out of range, [`Error::Parameter`] for a parameter of the acceleration model that no
+/// [`Error::Setting`] for settings out of range, [`Error::Model`] for a parameter of the acceleration model that no
 /// fit can produce.
 pub fn simulate(settings: &SynthSettings, vehicle: &Vehicle) -> Result<Vec<SimulatedDrive>, Error> {
     settings.check()?;
@@ -278,20 +280,4 @@ impl SynthSettings {
         )?;
         self.driver.check()
     }
-}
-
-fn check(
-    name: &'static str,
-    value: f64,
-    range: RangeInclusive<f64>,
-    expected: &'static str,
-) -> Result<(), Error> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    Err(Error::Option {
-        name,
-        value,
-        expected,
-    })
 }

@@ -4,7 +4,7 @@ use super::random::Random;
 use super::route::{LegEnd, Route};
 use super::traffic::Traffic;
 use super::{Regime, SynthSettings, TruePhase};
-use crate::INFLUENCE_GAP_S;
+use driver_model::INFLUENCE_GAP_S;
 
 /// The motion of one drive as it really is, before any sensor.
 #[derive(Debug)]
