@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drive_log::Drive;
-use driver_model::{CalibrationReport, CalibrationScore, calibrate_vehicle};
+use driver_model::energy::{CalibrationReport, CalibrationScore, calibrate_vehicle};
 use ev_energy::{ParameterEstimate, VehicleSpec};
 use serde::Serialize;
 

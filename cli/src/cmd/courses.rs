@@ -1,7 +1,7 @@
 //! Drives as predictions of speed see them, shared by `fit`, `predict` and `evaluate`.
 
 use anyhow::Context as _;
-use driver_model::trajectory::Course;
+use driver_model::speed_ahead::Course;
 use rayon::prelude::*;
 
 use crate::flags::Context;

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
+use driver_model::cruise::CruiseModel;
+use driver_model::following::FollowingModel;
 use driver_model::phase_model::{StepResponse, TransitionPoint};
-use driver_model::trajectory::DirectModel;
-use driver_model::{
-    CruiseModel, DriverModel, FittedModel, FollowingModel, ModelFile, PhaseOutline, TripDriver,
-};
+use driver_model::speed_ahead::DirectModel;
+use driver_model::trip_driver::TripDriver;
+use driver_model::{DriverModel, FittedModel, ModelFile, PhaseOutline};
 use serde::Serialize;
 
 use crate::exit::Outcome;

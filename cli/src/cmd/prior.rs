@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use driver_model::DEFAULT_PRIOR_WEIGHT;
+use driver_eval::phase::DEFAULT_PRIOR_WEIGHT;
 use serde::Serialize;
 
 use crate::flags::{Context, LogArgs, ReadingArgs};

@@ -47,9 +47,10 @@ pub fn write_parquet(log: &DriveLog, out: impl Write) -> Result<(), Error> {
     let time_s = (0..log.len()).map(|i| log.time_s(i)).collect();
     let mut columns = vec![Column::new("time_s", Values::Float(time_s))];
     let channels = log.channels();
-    columns.extend(channels.map(|(channel, values)| {
-        Column::new(channel.name(), Values::Float(values.to_vec()))
-    }));
+    columns.extend(
+        channels
+            .map(|(channel, values)| Column::new(channel.name(), Values::Float(values.to_vec()))),
+    );
     parquet_table::write(&columns, &[], out).map_err(|e| Error::Encode {
         log: log.name().to_owned(),
         problem: e.to_string(),

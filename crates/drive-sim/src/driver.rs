@@ -1,12 +1,13 @@
+use driver_model::following::Idm;
 use driver_model::phase_model::{
     Constant, Exponential, GroupConstant, Inverse, Profile, RiseTime, SpeedGroup,
 };
-use driver_model::{DriverModel, Idm, ModelKind, PhaseOutline};
+use driver_model::{DriverModel, ModelKind, PhaseOutline};
 use serde::Serialize;
 
+use crate::Error;
 use crate::error::check;
 use crate::random::Random;
-use crate::Error;
 
 /// A driver whose every habit is known.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,3 +1,5 @@
+//! What can go wrong, and what was left out.
+
 use serde::Serialize;
 
 /// What can go wrong between recorded drives and an evaluated model.
@@ -18,16 +20,6 @@ pub enum Error {
         needed: usize,
         /// What is counted, in words.
         unit: &'static str,
-    },
-    /// Too few to hold one out.
-    #[error(
-        "found {found} of at least {needed} drives, files or drivers with speed, of which one is held out at a time; add logs"
-    )]
-    TooFewTrips {
-        /// How many there are.
-        found: usize,
-        /// How many there must be.
-        needed: usize,
     },
     /// There is too little cruising or car following to learn from.
     #[error("found {found} of at least {needed} {unit}; add drives")]
@@ -171,7 +163,8 @@ fn listed(left_out: &[LeftOut]) -> String {
 
 impl Error {
     /// The same with the name of the drive that it is about, where it does not say so yet.
-    pub(crate) fn in_log(self, log: &str) -> Self {
+    #[must_use]
+    pub fn in_log(self, log: &str) -> Self {
         let is_named = matches!(
             self,
             Self::InLog { .. }
@@ -188,21 +181,24 @@ impl Error {
             cause: Box::new(self),
         }
     }
+}
 
-    /// Refuses an option that is not finite or not at least `lowest`.
-    pub(crate) fn unless_at_least(
-        name: &'static str,
-        value: f64,
-        lowest: f64,
-        expected: &'static str,
-    ) -> Result<(), Self> {
-        if value.is_finite() && value >= lowest {
-            return Ok(());
-        }
-        Err(Self::Option {
-            name,
-            value,
-            expected,
-        })
+/// Refuses an option that is not finite or not at least `lowest`.
+///
+/// # Errors
+/// [`Error::Option`].
+pub fn at_least(
+    name: &'static str,
+    value: f64,
+    lowest: f64,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if value.is_finite() && value >= lowest {
+        return Ok(());
     }
+    Err(Error::Option {
+        name,
+        value,
+        expected,
+    })
 }

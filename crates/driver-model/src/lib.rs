@@ -15,40 +15,28 @@
 //!
 //! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels
 //! ([`HeuristicRules`]) and its segments by statistics ([`StatisticalRules`]), those under a leader's influence left out;
-//! [`DriverModel::fit`] learns from a [`TrainingSet`], in which other drivers count less; [`leave_one_out`] holds every trip
-//! or driver out once and sums up in an [`Evaluation`].
+//! [`DriverModel::fit`] learns from a [`TrainingSet`], in which other drivers count less.
 //!
-//! [`CruiseModel`] says how the driver holds a speed, and [`portrait::Portrait`] what kind of driver this is.
-//!
-//! Behind a vehicle the gap decides: [`following_stretches`] cuts the stretches behind one leader out of a log,
-//! [`FollowingModel::fit`] calibrates a model of car following by simulating them as a whole, and [`evaluate_following`]
-//! holds every group of stretches out once.
-//!
-//! ```text
-//! idm                 a = a_max [1 − (v/v_d)⁴ − (s*/s)²]            s* = s0 + max(0, v T + v Δv/(2 √(a_max b)))
-//! constant-time-gap   a = (v_lead − v + λ (s − s0 − τ v))/τ         baseline
-//! ```
+//! By module: [`cruise`] says how the driver holds a speed, [`following`] how he keeps the distance to a vehicle ahead,
+//! [`speed_ahead`] what speed the next seconds bring, [`trip_driver`] how a whole trip over a [`road`] goes, [`energy`] what it
+//! costs, and [`portrait`] what kind of driver this is.
 //!
 //! # Example
 //!
 //! ```
-//! use driver_model::synth::{SynthSettings, simulate};
-//! use driver_model::{EvaluationData, EvaluationSettings, PhaseKind, PhaseSettings, Trip, leave_one_out};
-//! use drive_log::Drive;
+//! use drive_log::{Channel, Drive, DriveLog};
+//! use driver_model::{DriverModel, ModelKind, PhaseKind, PhaseSettings, TrainingSet, Trip};
 //!
-//! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
-//! let settings = SynthSettings { drives: 3, duration_s: 200.0, ..SynthSettings::default() };
-//! let trips = simulate(&settings, &vehicle)?
-//!     .into_iter()
-//!     .map(|simulated| Trip::from_drive(&Drive::from(simulated.log), &PhaseSettings::default()))
-//!     .collect::<Result<Vec<_>, _>>()?;
+//! // Ten times from rest to 50 km/h and back, a sample every 0.1 s.
+//! let rise = |k: usize| 13.9 * (1.0 - (std::f64::consts::PI * k as f64 / 100.0).cos()) / 2.0;
+//! let speed_mps: Vec<f64> = (0..2000).map(|k| rise(k % 200)).collect();
+//! let log = DriveLog::new("anna", 0.0, 0.1, [(Channel::Speed, speed_mps)].into_iter().collect())?;
 //!
-//! let data = EvaluationData::by_trip(&trips);
-//! let settings = EvaluationSettings::default();
-//! let evaluation = leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})?;
-//! for (model, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
-//!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", summary.figures.rmse_mps * 3.6, summary.figures.in_band_pct);
-//! }
+//! let trip = Trip::from_drive(&Drive::from(log), &PhaseSettings::default())?;
+//! let set = TrainingSet::from_trips(PhaseKind::Acceleration, [&trip]);
+//! let model = DriverModel::fit(ModelKind::Profile, &set)?;
+//! let outline = trip.phases[0].outline();
+//! assert_eq!(model.predict(&outline).len(), outline.samples);
 //! # Ok::<(), driver_model::Error>(())
 //! ```
 //!
@@ -62,12 +50,10 @@
 //! - A. Kesting, M. Treiber: Calibrating car-following models by using trajectory data. Transportation Research Record
 //!   2088, 2008.
 
-mod cruise;
-mod energy;
-mod error;
-mod evaluate;
-mod following;
-mod free_run;
+pub mod cruise;
+pub mod energy;
+pub mod error;
+pub mod following;
 mod function_fit;
 mod grid;
 mod lead;
@@ -77,43 +63,18 @@ mod model_file;
 mod phase;
 pub mod phase_model;
 pub mod portrait;
-mod prediction;
+pub mod road;
 mod segmenter;
+pub mod speed_ahead;
 mod statistical;
-mod statistics;
+pub mod statistics;
 mod stream;
 mod tally;
 mod training;
-pub mod trajectory;
 mod trip;
+pub mod trip_driver;
 
-pub use cruise::{
-    Bias, CruiseErrors, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseModel, CruiseSettings,
-    CruiseStretch, CruiseSummary, cruise_stretches, evaluate_cruise,
-};
-pub use energy::{
-    Auxiliaries, CalibrationReport, CalibrationScore, CalibrationTripScore, DriveEnergy,
-    EnergyStep, EnergyTotals, Measured, PowerCurve, ResidualBin, Residuals, SlopeEffect,
-    SlopeSource, calibrate_vehicle, drive_energy, slope_rad,
-};
 pub use error::{Error, LeftOut};
-pub use evaluate::{
-    BandCoverage, DEFAULT_PRIOR_WEIGHT, EnergyError, EvaluatedPhase, Evaluation, EvaluationData,
-    EvaluationSettings, Figures, Fold, LearningPoint, PairedComparison, Summary, TrainingSource,
-    Verdict, learning_curve, leave_one_out,
-};
-pub use following::{
-    ConstantTimeGap, FollowingErrors, FollowingEvaluation, FollowingFit, FollowingFold,
-    FollowingGroup, FollowingKind, FollowingModel, FollowingSettings, FollowingStretch,
-    FollowingSummary, Idm, PairedDifference, PerFollowingModel, ScoredStretch, SimulatedFollowing,
-    evaluate_following, following_stretches,
-};
-pub use free_run::{
-    AccelerationLaw, BrakingLaw, FreeRun, FreeRunEvaluation, FreeRunFold, FreeRunGroup,
-    FreeRunScore, FreeRunSettings, FreeRunSummary, FreeRunTrip, HabitLine, LimitFrom, LimitHabit,
-    LimitSlowdowns, NODE_SPACING_M, PercentErrors, Road, RoadKnowledge, RoadMap, RoadStop, SlopeAt,
-    SlowPoint, Slowdowns, TripDriver, WantedSpeed, evaluate_free_run,
-};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
 pub use model::{DriverModel, ModelKind};
@@ -122,7 +83,6 @@ pub use model_file::{
 };
 pub use phase::{HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
 pub use phase_model::SpeedGroup;
-pub use prediction::PhasePrediction;
 pub use segmenter::{MethodFigures, Segmenter};
 pub use statistical::{
     Method, Optimality, Scaling, Segmented, Segments, StatisticalRules, dead_banded,

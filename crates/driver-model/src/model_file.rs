@@ -1,8 +1,11 @@
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
-use crate::trajectory::DirectModel;
-use crate::{CruiseModel, DriverModel, Error, FollowingModel, TripDriver};
+use crate::cruise::CruiseModel;
+use crate::following::FollowingModel;
+use crate::speed_ahead::DirectModel;
+use crate::trip_driver::TripDriver;
+use crate::{DriverModel, Error};
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/2";

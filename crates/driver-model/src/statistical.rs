@@ -8,7 +8,7 @@ use tseg::{
 
 use crate::grid::{above, below};
 use crate::tally::Tally;
-use crate::{Error, Phase, PhaseKind};
+use crate::{Error, Phase, PhaseKind, error};
 
 /// How a drive is cut into segments by statistics, and how segments become phases (thesis 3.1.2 to 3.1.5, 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,7 +135,7 @@ impl Scaling {
                     ("scale of speed", speed_mps),
                     ("scale of acceleration", accel_mps2),
                 ] {
-                    Error::unless_at_least(name, value, f64::MIN_POSITIVE, "above 0")?;
+                    error::at_least(name, value, f64::MIN_POSITIVE, "above 0")?;
                 }
                 Ok([speed_mps, accel_mps2])
             }
@@ -356,7 +356,7 @@ pub fn dead_banded(accel_mps2: &[f64], threshold_mps2: f64) -> Result<Vec<f64>, 
 }
 
 pub(crate) fn check_deadband(threshold_mps2: f64) -> Result<(), Error> {
-    Error::unless_at_least(
+    error::at_least(
         "accel_deadband_mps2",
         threshold_mps2,
         0.0,

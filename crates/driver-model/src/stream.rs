@@ -5,7 +5,7 @@ use tseg::{Merging, Swab, SwabStream};
 
 use crate::statistical::{banded, check_deadband};
 use crate::tally::Tally;
-use crate::{Error, Method, PhaseKind, StatisticalRules, lead};
+use crate::{Error, Method, PhaseKind, StatisticalRules, error, lead};
 
 /// A sample as it comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +94,7 @@ impl PhaseStream {
         else {
             return Err(Error::MethodOfStream);
         };
-        Error::unless_at_least("step_s", step_s, f64::MIN_POSITIVE, "above 0 s")?;
+        error::at_least("step_s", step_s, f64::MIN_POSITIVE, "above 0 s")?;
         check_deadband(rules.accel_deadband_mps2)?;
         Ok(Self {
             rules: *rules,

@@ -1,12 +1,11 @@
 use drive_log::{Drive, DriveLog};
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
+use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
 use crate::energy::slope_rad;
+use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
-use crate::{
-    AccelPoint, CruiseSettings, CruiseStretch, Error, FollowingSettings, FollowingStretch,
-    HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules, cruise_stretches, following_stretches,
-};
+use crate::{AccelPoint, Error, HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules, error};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,13 +83,13 @@ impl Trip {
     /// # Errors
     /// [`Error::Option`] for settings out of range, and whatever segmentation refuses.
     pub fn from_drive(drive: &Drive, settings: &PhaseSettings) -> Result<Self, Error> {
-        Error::unless_at_least(
+        error::at_least(
             "min_duration_s",
             settings.min_duration_s,
             0.0,
             "at least 0 s",
         )?;
-        Error::unless_at_least("min_gain_mps", settings.min_gain_mps, 0.0, "at least 0 m/s")?;
+        error::at_least("min_gain_mps", settings.min_gain_mps, 0.0, "at least 0 m/s")?;
         let mut trip = Self {
             name: drive.name.clone(),
             phases: Vec::new(),

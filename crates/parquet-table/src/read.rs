@@ -126,7 +126,12 @@ impl<'a> File<'a> {
     pub fn texts(&self, column: usize, limit_bytes: u64) -> Result<Vec<Option<String>>, Error> {
         let mut left = Some(limit_bytes);
         let texts = self.read(&[column], |column| {
-            let total: u64 = column.str()?.iter().flatten().map(|text| text.len() as u64).sum();
+            let total: u64 = column
+                .str()?
+                .iter()
+                .flatten()
+                .map(|text| text.len() as u64)
+                .sum();
             left = limit_bytes.checked_sub(total);
             if left.is_none() {
                 return Ok(Vec::new());

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
-use driver_model::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
+use driver_model::energy::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
 use ev_energy::{CalibrationRecord, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use driver_model::Measured;
+use driver_model::energy::Measured;
 use ev_energy::{JOULES_PER_KWH, TripEnergy};
 
 use super::{Body, Entry, Totals};

@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use driver_model::{EnergyStep, drive_energy};
+use driver_model::energy::{EnergyStep, drive_energy};
 use ev_energy::Vehicle;
 
 use crate::inputs::Input;

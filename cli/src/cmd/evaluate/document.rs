@@ -2,14 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
-use driver_model::{
-    AccelDensity, BandCoverage, CruiseEvaluation, CruiseFold, CruiseModel, CruiseSummary,
-    DriverModel, EvaluatedPhase, Evaluation, Fold, FollowingEvaluation, FollowingFold,
-    FollowingGroup, FollowingKind, FollowingModel, FollowingSummary, FunctionFit, LearningPoint,
-    LeftOut, PairedComparison, PairedDifference, PerFollowingModel, PhaseKind, PhasePrediction,
-    ScoredStretch, Summary, Trip,
+use driver_eval::cruise::{CruiseEvaluation, CruiseFold, CruiseSummary};
+use driver_eval::following::{
+    FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference, PerFollowingModel,
+    ScoredStretch,
 };
+use driver_eval::phase::{
+    BandCoverage, EvaluatedPhase, Evaluation, Fold, LearningPoint, PairedComparison,
+    PhasePrediction, Summary,
+};
+use driver_model::cruise::CruiseModel;
+use driver_model::following::{FollowingKind, FollowingModel, FollowingStretch};
+use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
+use driver_model::{AccelDensity, DriverModel, FunctionFit, LeftOut, PhaseKind, Trip};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -246,8 +251,8 @@ pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Tri
     if let (Some(_), Some(acceleration)) = (&findings.systems, &findings.acceleration) {
         document["system_identification"]["phases"] = systems(acceleration);
     }
-    if let Some((evaluation, groups)) = &findings.following {
-        document["following"]["stretches"] = stretches(evaluation, groups);
+    if let Some((evaluation, measured)) = &findings.following {
+        document["following"]["stretches"] = stretches(evaluation, measured);
     }
     document
 }
@@ -264,43 +269,41 @@ fn systems(evaluation: &Evaluation) -> Value {
 }
 
 /// Gaps of held-out stretches, measured and simulated, at half a second.
-fn stretches(evaluation: &FollowingEvaluation, groups: &[FollowingGroup]) -> Value {
-    let mut entries = Vec::new();
-    for group in groups {
-        let Some(fold) = evaluation.folds.iter().find(|f| f.group == group.name) else {
-            continue;
-        };
-        for stretch in &group.stretches {
-            let every = (0.5 / stretch.step_s()).round().max(1.0) as usize;
-            let thinned = |gap_m: &[f64]| -> Vec<f64> {
-                gap_m
-                    .iter()
-                    .step_by(every)
-                    .map(|&g| to_hundredths(g))
-                    .collect()
-            };
-            let simulated = |model: &FollowingModel| {
-                json!({
-                    "gap_m": thinned(&model.simulate(stretch).gap_m),
-                    "gap_rmse_m": model.errors(stretch).gap_rmse_m,
-                })
-            };
-            let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
-            entries.push(json!({
-                "name": stretch.log(),
-                "start_s": stretch.start_s(),
-                "time_s": (0..stretch.gap_m().len()).step_by(every)
-                    .map(|k| to_hundredths(k as f64 * stretch.step_s()))
-                    .collect::<Vec<_>>(),
-                "gap_m": thinned(stretch.gap_m()),
-                "predictions": {
-                    idm: simulated(&fold.fits.idm.model),
-                    law: simulated(&fold.fits.constant_time_gap.model),
-                },
-            }));
-        }
-    }
-    entries.into()
+fn stretches(evaluation: &FollowingEvaluation, measured: &[FollowingStretch]) -> Value {
+    let scored = evaluation.stretches.iter().zip(measured);
+    let entries = scored.filter_map(|(scored, stretch)| {
+        let mut folds = evaluation.folds.iter();
+        let fold = folds.find(|fold| fold.group == scored.group)?;
+        Some(gaps(stretch, fold))
+    });
+    entries.collect()
+}
+
+fn gaps(stretch: &FollowingStretch, fold: &FollowingFold) -> Value {
+    let every = (0.5 / stretch.step_s()).round().max(1.0) as usize;
+    let thinned = |gap_m: &[f64]| -> Vec<f64> {
+        let thinned = gap_m.iter().step_by(every);
+        thinned.map(|&gap| to_hundredths(gap)).collect()
+    };
+    let simulated = |model: &FollowingModel| {
+        json!({
+            "gap_m": thinned(&model.simulate(stretch).gap_m),
+            "gap_rmse_m": model.errors(stretch).gap_rmse_m,
+        })
+    };
+    let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
+    json!({
+        "name": stretch.log(),
+        "start_s": stretch.start_s(),
+        "time_s": (0..stretch.gap_m().len()).step_by(every)
+            .map(|k| to_hundredths(k as f64 * stretch.step_s()))
+            .collect::<Vec<_>>(),
+        "gap_m": thinned(stretch.gap_m()),
+        "predictions": {
+            idm: simulated(&fold.fits.idm.model),
+            law: simulated(&fold.fits.constant_time_gap.model),
+        },
+    })
 }
 
 fn means(kind: PhaseKind, trips: &[Trip]) -> Vec<[f64; 2]> {

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use driver_model::{Error, LeftOut, Trip};
+use driver_eval::Error;
+use driver_model::{Error as ModelError, LeftOut, Trip};
 use serde::Serialize;
 
 use crate::cmd::left_out::{contents, contents_of};
@@ -27,11 +28,11 @@ impl Missing {
         evaluate: impl FnOnce() -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         match evaluate() {
-            Err(
-                error @ (Error::TooFewPhases { .. }
-                | Error::TooFewStretches { .. }
-                | Error::Fit { .. }),
-            ) => {
+            Err(Error::Model(
+                error @ (ModelError::TooFewPhases { .. }
+                | ModelError::TooFewStretches { .. }
+                | ModelError::Fit { .. }),
+            )) => {
                 self.parts.insert(part, error.to_string());
                 Ok(None)
             }

@@ -10,12 +10,16 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
+use driver_eval::cruise::{CruiseEvaluation, evaluate_cruise};
+use driver_eval::following::{FollowingEvaluation, evaluate_following};
+use driver_eval::phase::{
+    Evaluation, EvaluationData, EvaluationSettings, LearningPoint, learning_curve, leave_one_out,
+};
+use driver_model::following::FollowingStretch;
 use driver_model::phase_model::TransitionPoint;
-use driver_model::trajectory::DirectKind;
+use driver_model::speed_ahead::DirectKind;
 use driver_model::{
-    CruiseEvaluation, Error, Evaluation, EvaluationData, EvaluationSettings, FollowingEvaluation,
-    FollowingGroup, FunctionFit, LearningPoint, LeftOut, ModelKind, PhaseKind, TrainingSet, Trip,
-    evaluate_cruise, evaluate_following, function_fits, learning_curve, leave_one_out,
+    Error, FunctionFit, LeftOut, ModelKind, PhaseKind, TrainingSet, Trip, function_fits,
 };
 use serde::Serialize;
 
@@ -137,7 +141,7 @@ struct Findings {
     /// The transition-point model of all acceleration phases; `None` where none can be identified.
     systems: Option<TransitionPoint>,
     /// With the stretches; `None` where less than two units follow a vehicle.
-    following: Option<(FollowingEvaluation, Vec<FollowingGroup>)>,
+    following: Option<(FollowingEvaluation, Vec<FollowingStretch>)>,
     /// What of it there is too little for.
     missing: Missing,
     /// Drives that have nothing to evaluate.
@@ -283,9 +287,11 @@ impl EvaluateArgs {
             missing.unless_enough("acceleration", || evaluate(PhaseKind::Acceleration))?;
         let braking = missing.unless_enough("braking", || evaluate(PhaseKind::Braking))?;
         drop(progress);
-        let cruise = missing.unless_enough("cruise", || evaluate_cruise(&data.cruise_groups()))?;
-        let groups = data.following_groups();
-        let following = missing.unless_enough("following", || evaluate_following(&groups))?;
+        let (cruising, by_unit) = data.stretches(|trip| &trip.cruise);
+        let cruise = missing.unless_enough("cruise", || evaluate_cruise(&cruising, &by_unit))?;
+        let (behind, by_unit) = data.stretches(|trip| &trip.following);
+        let following =
+            missing.unless_enough("following", || evaluate_following(&behind, &by_unit))?;
         if missing.is_everything() {
             return Err(missing.into_error(trips));
         }
@@ -297,7 +303,7 @@ impl EvaluateArgs {
             },
             acceleration,
             braking,
-            following: following.map(|evaluation| (evaluation, groups)),
+            following: following.map(|evaluation| (evaluation, behind)),
             cruise,
             systems: systems(trips)?,
             fits: [PhaseKind::Acceleration, PhaseKind::Braking]

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use driver_model::{
-    CruiseEvaluation, Evaluation, FollowingEvaluation, FollowingFold, FollowingKind,
-    FollowingSummary, LearningPoint, ModelKind, PairedComparison, PhaseKind, Summary, Trip,
-};
+use driver_eval::cruise::CruiseEvaluation;
+use driver_eval::following::{FollowingEvaluation, FollowingFold, FollowingSummary};
+use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
+use driver_model::following::FollowingKind;
+use driver_model::{ModelKind, PhaseKind, Trip};
 
 use super::{EvaluateArgs, Findings};
 use crate::render::table::{Table, number};

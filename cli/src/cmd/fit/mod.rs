@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use drive_log::DriveLog;
-use driver_model::trajectory::{Course, DirectKind, DirectModel, DirectSettings};
+use driver_model::cruise::CruiseModel;
+use driver_model::following::{FollowingKind, FollowingModel};
+use driver_model::speed_ahead::{Course, DirectKind, DirectModel, DirectSettings};
+use driver_model::trip_driver::TripDriver;
 use driver_model::{
-    CruiseModel, DriverModel, Error, FittedModel, FollowingKind, FollowingModel, LeftOut,
-    ModelFile, ModelKind, PhaseKind, PointsOf, TrainingInput, TrainingRecord, TrainingSet, Trip,
-    TripDriver,
+    DriverModel, Error, FittedModel, LeftOut, ModelFile, ModelKind, PhaseKind, PointsOf,
+    TrainingInput, TrainingRecord, TrainingSet, Trip,
 };
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! The speed of the next seconds, moment by moment.
 
 use anyhow::bail;
-use driver_model::trajectory::{Course, DirectModel, HorizonScore};
+use driver_model::speed_ahead::{Course, DirectModel, HorizonScore};
 use driver_model::{Error, LeftOut};
 use serde::Serialize;
 

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use driver_model::{
-    CruiseModel, CruiseStretch, DriverModel, FittedModel, FollowingErrors, FollowingModel,
-    FollowingStretch, LeftOut, PhaseCurve, PhaseKind, PhaseOutline, PhasePrediction, Trip,
-};
+use driver_eval::phase::PhasePrediction;
+use driver_model::cruise::{CruiseModel, CruiseStretch};
+use driver_model::following::{FollowingErrors, FollowingModel, FollowingStretch};
+use driver_model::{DriverModel, FittedModel, LeftOut, PhaseCurve, PhaseKind, PhaseOutline, Trip};
 use serde::Serialize;
 
 use super::courses::courses;

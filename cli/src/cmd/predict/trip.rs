@@ -1,7 +1,10 @@
 //! Whole drives from road and driver alone.
 
 use drive_log::DriveLog;
-use driver_model::{Error, FreeRun, LeftOut, Road, RoadKnowledge, TripDriver, slope_rad};
+use driver_model::energy::slope_rad;
+use driver_model::road::{Road, RoadKnowledge};
+use driver_model::trip_driver::{FreeRun, TripDriver};
+use driver_model::{Error, LeftOut};
 use serde::Serialize;
 
 use crate::inputs::Input;

@@ -115,7 +115,7 @@ fn prepared_again_a_drive_is_the_same() {
 #[test]
 fn parquet_of_other_makers() {
     use polars_core::prelude::*;
-use polars_io::parquet::write::ParquetWriter;
+    use polars_io::parquet::write::ParquetWriter;
     let write = |columns: Vec<Column>| {
         let mut bytes = Vec::new();
         let mut frame = DataFrame::new(columns[0].len(), columns).unwrap();

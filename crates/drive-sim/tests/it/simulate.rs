@@ -7,9 +7,7 @@ use drive_sim::{
     Error, Regime, SimulatedDrive, SimulatedDriver, SynthSettings, TRUTH_SCHEMA, TruePhase, Truth,
     simulate,
 };
-use driver_model::{
-    DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip,
-};
+use driver_model::{DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip};
 use ev_energy::Vehicle;
 use proptest::prelude::*;
 

@@ -11,12 +11,10 @@
 //!
 //! Without a limit `μ` is unknown, which is `σ_b → ∞`: `E[v(t)|v0] = v0` and `Var = 2σ²(1 − e^(−t/τ))`.
 
-mod evaluation;
+mod errors;
 mod stretch;
 
-pub use evaluation::{
-    CruiseErrors, CruiseEvaluation, CruiseFold, CruiseGroup, CruiseSummary, evaluate_cruise,
-};
+pub use errors::CruiseErrors;
 pub use stretch::{CruiseSettings, CruiseStretch, cruise_stretches};
 
 use serde::{Deserialize, Serialize};

@@ -1,3 +1,5 @@
+//! Energy of drives: what the vehicle model says, what was measured, and calibrating the one to the other.
+
 mod calibration;
 mod input;
 
@@ -234,7 +236,10 @@ fn aux_source(vehicle: &Vehicle, channels: &[Channel]) -> String {
 }
 
 /// Battery energy of driving at these speeds over these slopes, `step_s` apart. Backward counts as standing.
-pub(crate) fn driving_energy_j(
+///
+/// # Errors
+/// [`Error::Energy`] for what the vehicle cannot have driven.
+pub fn driving_energy_j(
     vehicle: &Vehicle,
     step_s: f64,
     speed_mps: &[f64],

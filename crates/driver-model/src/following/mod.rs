@@ -6,8 +6,7 @@
 //! ```
 //!
 //! with speed `v`, gap `s` (bumper to bumper) and closing speed `Δv = v − v_lead`. [`following_stretches`] cuts the
-//! stretches behind one leader out of a log, [`FollowingModel::fit`] simulates them as a whole and compares,
-//! [`evaluate_following`] holds every group of stretches out once.
+//! stretches behind one leader out of a log, [`FollowingModel::fit`] simulates them as a whole and compares.
 //!
 //! # References
 //!
@@ -24,17 +23,12 @@
 //!   A 419 (2015), 183–195 (the ballistic update).
 
 mod constant_time_gap;
-mod evaluation;
 mod fit;
 mod idm;
 mod simulation;
 mod stretch;
 
 pub use constant_time_gap::ConstantTimeGap;
-pub use evaluation::{
-    FollowingEvaluation, FollowingFold, FollowingGroup, FollowingSummary, PairedDifference,
-    PerFollowingModel, ScoredStretch, evaluate_following,
-};
 pub use fit::FollowingFit;
 pub use idm::Idm;
 pub use simulation::{FollowingErrors, SimulatedFollowing};

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
+use driver_model::energy::{EnergyTotals, SlopeSource, calibrate_vehicle, drive_energy};
 use driver_model::portrait::Portrait;
-use driver_model::{
-    EnergyTotals, Error, PhaseSettings, SlopeSource, Trip, calibrate_vehicle, drive_energy,
-};
+use driver_model::{Error, PhaseSettings, Trip};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 const SAMPLES: usize = 3000;
@@ -26,7 +25,7 @@ fn drive(channels: &[(Channel, f64)]) -> Drive {
     Drive::from(DriveLog::new("drive", 0.0, 0.1, all).unwrap())
 }
 
-fn energy(channels: &[(Channel, f64)]) -> driver_model::DriveEnergy {
+fn energy(channels: &[(Channel, f64)]) -> driver_model::energy::DriveEnergy {
     drive_energy(&drive(channels), &i3(), DEFAULT_SLOPE_BANDWIDTH_M, |_| {}).unwrap()
 }
 

@@ -10,13 +10,8 @@
 
 mod braking;
 mod closed_forms;
-mod conditioned;
-mod cruise;
 mod energy;
-mod evaluation;
 mod fitting;
-mod following;
-mod free_run;
 mod model_file;
 mod phases;
 mod reference_vectors;

@@ -1,9 +1,10 @@
 //! Model files: write, read, and refuse what is not one.
 
+use driver_model::cruise::{Bias, CruiseModel};
+use driver_model::following::{FollowingModel, Idm};
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
 use driver_model::{
-    Bias, CruiseModel, DriverModel, Error, FittedModel, FollowingModel, Idm, ModelFile,
-    PhaseOutline, TrainingInput, TrainingRecord,
+    DriverModel, Error, FittedModel, ModelFile, PhaseOutline, TrainingInput, TrainingRecord,
 };
 use proptest::prelude::*;
 

@@ -42,7 +42,10 @@ impl<W: Write> Sheet<W> {
         let mut sheet = Self {
             writer: Writer::from_writer(out),
             check: Check::default(),
-            types: columns.iter().map(|c| letter(Kind::of(&c.values))).collect(),
+            types: columns
+                .iter()
+                .map(|c| letter(Kind::of(&c.values)))
+                .collect(),
             meta: meta.to_owned(),
             is_begun: false,
         };

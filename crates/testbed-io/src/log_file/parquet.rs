@@ -44,7 +44,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<LogTable, Flaw> {
 fn columns(file: &File<'_>) -> Result<Vec<Column>, Flaw> {
     let of = |kind: Kind| -> Vec<usize> {
         let heads = file.columns().iter().enumerate();
-        heads.filter(|(_, head)| head.kind == kind).map(|(index, _)| index).collect()
+        heads
+            .filter(|(_, head)| head.kind == kind)
+            .map(|(index, _)| index)
+            .collect()
     };
     let mut floats = file.floats(&of(Kind::Float)).map_err(flaw)?.into_iter();
     let mut integers = file.integers(&of(Kind::Integer)).map_err(flaw)?.into_iter();
@@ -55,9 +58,15 @@ fn columns(file: &File<'_>) -> Result<Vec<Column>, Flaw> {
             Kind::Float => floats.next().map(Values::Float),
             Kind::Integer => integers.next().and_then(whole).map(Values::Integer),
             Kind::Text => texts(file, index, &mut room)?.map(Values::Text),
-            _ => return Err(column_flaw(&head.name, format!("type {}", shortened(&head.type_name)))),
+            _ => {
+                return Err(column_flaw(
+                    &head.name,
+                    format!("type {}", shortened(&head.type_name)),
+                ));
+            }
         };
-        let values = values.ok_or_else(|| column_flaw(&head.name, "a value is missing".to_owned()))?;
+        let values =
+            values.ok_or_else(|| column_flaw(&head.name, "a value is missing".to_owned()))?;
         columns.push(Column::new(head.name.clone(), values));
     }
     Ok(columns)
@@ -84,7 +93,10 @@ fn flaw(error: Error) -> Flaw {
         Error::Damaged(found) => Flaw::new(found, DAMAGED),
         Error::TooLarge { .. } => Flaw::too_large(),
         other => Flaw::new(
-            format!("not a whole Parquet file ({})", shortened(&other.to_string())),
+            format!(
+                "not a whole Parquet file ({})",
+                shortened(&other.to_string())
+            ),
             "copy the file again; of a Parquet file that was cut short nothing can be read",
         ),
     }

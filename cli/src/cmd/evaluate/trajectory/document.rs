@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use driver_model::trajectory::{
-    FittedTrial, HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
-    TrajectorySettings, TrialResult, TripFigures, TripSummary,
+use driver_eval::speed_ahead::{
+    HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
+    TrajectorySettings, TrialResult, TrialTrip, TripFigures, TripSummary,
 };
-use driver_model::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip, LeftOut, TripDriver};
+use driver_eval::trip_driver::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip};
+use driver_model::LeftOut;
+use driver_model::speed_ahead::FittedTrial;
+use driver_model::trip_driver::TripDriver;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -148,7 +151,7 @@ impl<'a> Body<'a> {
         Self {
             task: "trajectory",
             drives: data.courses.len(),
-            units: &data.units,
+            units: data.hold_out.units(),
             held_out: units.entry(),
             origins: evaluation.rows.first().map_or(0, |row| row.origins),
             band_kmh: settings.band_mps * 3.6,
@@ -197,7 +200,7 @@ impl Entry {
 
 impl<'a> Trial<'a> {
     fn new(result: &'a TrialResult, data: &'a TrajectoryData) -> Self {
-        let trip = |trip: &'a driver_model::trajectory::TrialTrip| Trip {
+        let trip = |trip: &'a TrialTrip| Trip {
             drive: &data.courses[trip.course].name,
             figures: &trip.figures,
         };
@@ -240,9 +243,10 @@ pub(super) fn with_curves(
         return document;
     };
     let course = &data.courses[shown];
+    let unit_of = data.hold_out.unit_of();
     // Another unit than the one shown, so that it was learnt from.
     let learnt = (0..data.courses.len())
-        .find(|&i| data.unit_of[i] != data.unit_of[shown])
+        .find(|&i| unit_of[i] != unit_of[shown])
         .unwrap_or(shown);
     let predicted = evaluation.trials.iter().filter_map(|result| {
         let trip = result.trips.iter().find(|trip| trip.course == shown)?;
@@ -257,7 +261,7 @@ pub(super) fn with_curves(
     document
 }
 
-fn drive(course: &driver_model::trajectory::Course) -> Value {
+fn drive(course: &driver_model::speed_ahead::Course) -> Value {
     json!({
         "name": course.name,
         "step_s": course.step_s,

@@ -1,10 +1,11 @@
 //! Whole trips from the road and the driver alone.
 
 use drive_log::DriveLog;
-use driver_model::{
-    Error, FreeRun, FreeRunEvaluation, FreeRunGroup, FreeRunSettings, Road, RoadKnowledge,
-    evaluate_free_run, slope_rad,
-};
+use driver_eval::Error;
+use driver_eval::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
+use driver_model::energy::slope_rad;
+use driver_model::road::{Road, RoadKnowledge};
+use driver_model::trip_driver::FreeRun;
 use ev_energy::Vehicle;
 use serde_json::{Value, json};
 
@@ -25,13 +26,22 @@ pub(super) fn evaluate(
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
 ) -> Result<FreeRuns, Error> {
-    let groups = FreeRunGroup::by_unit(inputs.iter().map(|input| &input.drive), units);
+    let of_drives = inputs.iter().zip(units);
+    let (logs, units): (Vec<&DriveLog>, Vec<String>) = of_drives
+        .flat_map(|(input, unit)| {
+            input
+                .drive
+                .pieces
+                .iter()
+                .map(move |log| (log, unit.clone()))
+        })
+        .unzip();
     let with = |knowledge| {
         let settings = FreeRunSettings {
             knowledge,
             ..*settings
         };
-        evaluate_free_run(&groups, &settings, vehicle, &|| {})
+        evaluate_free_run(&logs, &units, &settings, vehicle, &|| {})
     };
     Ok(FreeRuns {
         expected: with(RoadKnowledge::Stops)?,

@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use anyhow::bail;
 use clap::Args;
 use drive_log::{Channel, DriveLog};
-use driver_model::trajectory::{
-    DirectKind, DirectSettings, TrajectoryData, TrajectoryEvaluation, TrajectorySettings, Trial,
-    evaluate_trajectory,
+use driver_eval::speed_ahead::{
+    TrajectoryData, TrajectoryEvaluation, TrajectorySettings, evaluate_trajectory,
 };
-use driver_model::{FreeRunSettings, LeftOut};
+use driver_eval::trip_driver::FreeRunSettings;
+use driver_model::LeftOut;
+use driver_model::speed_ahead::{DirectKind, DirectSettings, Trial};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
@@ -184,24 +185,27 @@ fn folds(
     left_out: &[LeftOut],
     context: &Context,
 ) -> anyhow::Result<usize> {
-    let units = data.units.len();
-    if units < 2 {
+    let units = data.hold_out.units();
+    if units.len() < 2 {
         let reasons = left_out
             .iter()
             .map(|left_out| format!("\n  left out, {}: {}", left_out.log, left_out.reason));
         bail!(
             "one drive, file or driver, `{}`, is all that can be used, and nothing is left when it is held out; add logs{}",
-            data.units.join(", "),
+            units.join(", "),
             reasons.collect::<String>()
         );
     }
-    if units < asked {
+    if units.len() < asked {
         output::note(
             context,
-            &format!("{units} folds in place of {asked}: there are no more units"),
+            &format!(
+                "{} folds in place of {asked}: there are no more units",
+                units.len()
+            ),
         );
     }
-    Ok(asked.min(units))
+    Ok(asked.min(units.len()))
 }
 
 /// Why the models do not know limits and the trials are left out.

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use driver_model::trajectory::{HorizonRow, TrajectoryData, TrajectoryEvaluation, TrialResult};
+use driver_eval::speed_ahead::{HorizonRow, TrajectoryData, TrajectoryEvaluation, TrialResult};
 
-use driver_model::{FreeRunEvaluation, PercentErrors};
+use driver_eval::trip_driver::{FreeRunEvaluation, PercentErrors};
 
 use super::EvaluateArgs;
 use super::free_run::FreeRuns;

@@ -1,0 +1,45 @@
+//! How well driver models predict drives that they have not seen.
+//!
+//! One engine holds out: [`HoldOut`] says which items belong to a unit (a drive, a file, a driver), runs the folds in parallel and in
+//! order. Upon it stand [`phase`] for acceleration and braking, [`speed_ahead`] for the next seconds, [`trip_driver`] for whole
+//! trips, [`following`] and [`cruise`]. Baselines are always among what is compared.
+//!
+//! # Example
+//!
+//! ```
+//! use drive_log::Drive;
+//! use drive_sim::{SynthSettings, simulate};
+//! use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
+//! use driver_model::{PhaseKind, PhaseSettings, Trip};
+//!
+//! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
+//! let settings = SynthSettings { drives: 3, duration_s: 200.0, ..SynthSettings::default() };
+//! let trips = simulate(&settings, &vehicle)?
+//!     .into_iter()
+//!     .map(|simulated| Trip::from_drive(&Drive::from(simulated.log), &PhaseSettings::default()))
+//!     .collect::<Result<Vec<_>, _>>()?;
+//!
+//! let data = EvaluationData::by_trip(&trips);
+//! let settings = EvaluationSettings::default();
+//! let evaluation = leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})?;
+//! for (model, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
+//!     println!("{model:22} {:5.2} km/h  {:5.1} % in band", summary.figures.rmse_mps * 3.6, summary.figures.in_band_pct);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # References
+//!
+//! - W. G. Cochran: Sampling Techniques. Wiley, 1977 (the ratio of sums over units and its interval).
+
+pub mod cruise;
+mod error;
+pub mod following;
+mod hold_out;
+pub mod phase;
+mod ratio_interval;
+pub mod speed_ahead;
+pub mod trip_driver;
+
+pub use error::Error;
+pub use hold_out::{HoldOut, Split};

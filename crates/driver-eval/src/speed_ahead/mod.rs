@@ -1,0 +1,335 @@
+//! The speed ahead and whole drives by recursion, held out.
+
+mod data;
+mod horizon;
+mod trip_figures;
+
+use std::time::Instant;
+
+use driver_model::error::at_least;
+use driver_model::speed_ahead::{
+    Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
+};
+use ev_energy::Vehicle;
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::hold_out::Split;
+pub use data::TrajectoryData;
+use horizon::{HorizonErrors, verdicts};
+pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
+pub use trip_figures::{TripFigures, TripSummary};
+
+/// What is evaluated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectorySettings {
+    /// Models of the speed ahead; the baselines are always added.
+    pub models: Vec<DirectKind>,
+    /// How direct models are fitted.
+    pub direct: DirectSettings,
+    /// How the five trials are fitted.
+    pub trials: TrialSettings,
+    /// Number of folds: unit `u` is held out in fold `u mod folds`; 3.
+    pub folds: usize,
+    /// Full width of the band of Table 4.1; 5 km/h.
+    pub band_mps: f64,
+}
+
+impl Default for TrajectorySettings {
+    fn default() -> Self {
+        Self {
+            models: DirectKind::ALL.to_vec(),
+            direct: DirectSettings::default(),
+            trials: TrialSettings::default(),
+            folds: 3,
+            band_mps: 5.0 / 3.6,
+        }
+    }
+}
+
+/// One drive as a trial predicts it from its limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialTrip {
+    /// Index of the drive.
+    pub course: usize,
+    /// Predicted speed; not a number where the recursion has run away.
+    pub speed_mps: Vec<f64>,
+    /// How good that is.
+    pub figures: TripFigures,
+}
+
+/// A trial on all drives, each predicted from the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialResult {
+    /// Which trial.
+    pub trial: Trial,
+    /// As fitted in each fold.
+    pub fits: Vec<FittedTrial>,
+    /// In the order of drives.
+    pub trips: Vec<TrialTrip>,
+}
+
+impl TrialResult {
+    /// The row of Table 4.1; `None` without trips.
+    #[must_use]
+    pub fn summary(&self) -> Option<TripSummary> {
+        let figures: Vec<&TripFigures> = self.trips.iter().map(|trip| &trip.figures).collect();
+        TripSummary::of(&figures)
+    }
+}
+
+/// The outcome of [`evaluate_trajectory`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryEvaluation {
+    /// Seconds ahead.
+    pub horizons_s: Vec<f64>,
+    /// Models with baselines, and the trials by recursion where there are limits.
+    pub rows: Vec<HorizonRow>,
+    /// The best model against the best baseline, per horizon.
+    pub verdicts: Vec<HorizonVerdict>,
+    /// Empty where a drive has no speed limits.
+    pub trials: Vec<TrialResult>,
+    /// Models that could not be fitted, fitted baselines among them, and why.
+    pub left_out: Vec<(String, String)>,
+}
+
+/// Holds every unit out once and predicts the speed ahead, and whole drives by the five trials where all have limits.
+///
+/// `progress` is called [`TrajectorySettings::steps`] times.
+///
+/// # Errors
+/// [`Error::TooFewUnits`] with fewer units than folds, [`Error::Model`] for less than two folds, for drives of different sampling
+/// intervals, and what all models refuse alike. Drives that lack something are to be left out before, by
+/// [`TrajectoryData::usable`].
+pub fn evaluate_trajectory(
+    data: &TrajectoryData,
+    vehicle: &Vehicle,
+    settings: &TrajectorySettings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<TrajectoryEvaluation, Error> {
+    let expected = "at least 2, so that other drives are left to learn from";
+    at_least("folds", settings.folds as f64, 2.0, expected)?;
+    data.hold_out.at_least(settings.folds)?;
+    let hold_out = data.hold_out.clone().in_folds(settings.folds);
+    let units = hold_out.units().len();
+    let contestants = settings.contestants(data.has_limits());
+    let jobs: Vec<(usize, usize)> = (0..contestants.len())
+        .flat_map(|c| (0..settings.folds).map(move |fold| (c, fold)))
+        .collect();
+    let run = |&(c, fold): &(usize, usize)| {
+        let outcome = contestants[c].run(hold_out.split(fold), data, vehicle, settings);
+        progress();
+        outcome
+    };
+    let outcomes: Vec<Result<FoldOutcome, Error>> = jobs.par_iter().map(run).collect();
+
+    let mut evaluation = TrajectoryEvaluation {
+        horizons_s: settings.direct.horizons_s.clone(),
+        rows: Vec::new(),
+        verdicts: Vec::new(),
+        trials: Vec::new(),
+        left_out: Vec::new(),
+    };
+    let mut outcomes = outcomes.into_iter();
+    for contestant in contestants {
+        let folds: Result<Vec<FoldOutcome>, Error> =
+            outcomes.by_ref().take(settings.folds).collect();
+        match folds {
+            Ok(folds) => evaluation.add(contestant, folds, units),
+            Err(error) if contestant.learns() => {
+                evaluation
+                    .left_out
+                    .push((contestant.name(), error.to_string()));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    HorizonRow::compare_with_persistence(&mut evaluation.rows);
+    evaluation.verdicts = verdicts(&evaluation.rows, &evaluation.horizons_s);
+    Ok(evaluation)
+}
+
+impl TrajectorySettings {
+    /// How often an evaluation reports progress.
+    #[must_use]
+    pub fn steps(&self, data: &TrajectoryData) -> usize {
+        self.contestants(data.has_limits()).len() * self.folds
+    }
+
+    fn contestants(&self, with_limits: bool) -> Vec<Contestant> {
+        let wanted = |kind: &DirectKind| kind.is_baseline() || self.models.contains(kind);
+        let direct = DirectKind::ALL
+            .into_iter()
+            .filter(wanted)
+            .map(Contestant::Direct);
+        let trials = Trial::ALL.into_iter().map(Contestant::Trial);
+        direct.chain(trials.filter(|_| with_limits)).collect()
+    }
+}
+
+/// What predicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Contestant {
+    Direct(DirectKind),
+    Trial(Trial),
+}
+
+/// One contestant on one fold.
+struct FoldOutcome {
+    errors: Vec<HorizonErrors>,
+    trial: Option<(FittedTrial, Vec<TrialTrip>)>,
+    fit_seconds: f64,
+    predict_seconds: f64,
+    unfinished: usize,
+}
+
+impl Contestant {
+    fn name(self) -> String {
+        match self {
+            Self::Direct(kind) => kind.name().to_owned(),
+            Self::Trial(trial) => format!("trial-{}", trial.number()),
+        }
+    }
+
+    fn is_baseline(self) -> bool {
+        matches!(self, Self::Direct(kind) if kind.is_baseline())
+    }
+
+    /// What has nothing to learn from is left out.
+    fn learns(self) -> bool {
+        !matches!(self, Self::Direct(kind) if !kind.is_fitted())
+    }
+
+    fn run(
+        self,
+        split: Split<'_>,
+        data: &TrajectoryData,
+        vehicle: &Vehicle,
+        settings: &TrajectorySettings,
+    ) -> Result<FoldOutcome, Error> {
+        match self {
+            Self::Direct(kind) => run_direct(kind, split, data, settings),
+            Self::Trial(trial) => run_trial(trial, split, data, vehicle, settings),
+        }
+    }
+}
+
+fn learnt_from<'a>(split: Split<'_>, data: &'a TrajectoryData) -> Vec<&'a Course> {
+    split.rest().map(|item| &data.courses[item]).collect()
+}
+
+fn run_direct(
+    kind: DirectKind,
+    split: Split<'_>,
+    data: &TrajectoryData,
+    settings: &TrajectorySettings,
+) -> Result<FoldOutcome, Error> {
+    let started = Instant::now();
+    let model = DirectModel::fit(kind, &learnt_from(split, data), &settings.direct)?;
+    let fit_seconds = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let intervals: Vec<Option<f64>> = model.intervals_mps().collect();
+    let mut errors = HorizonErrors::for_each(&intervals, data.hold_out.units().len());
+    for i in split.held_out() {
+        let course = &data.courses[i];
+        let origins = model.origins(course, settings.direct.sample_step_s);
+        for (&origin, ahead) in origins.iter().zip(model.predict(course, &origins)?) {
+            for ((errors, horizon_s), speed) in errors
+                .iter_mut()
+                .zip(model.horizons_s())
+                .zip(ahead.speed_mps)
+            {
+                let measured = course.speed_mps[origin + course.samples_in(horizon_s)];
+                errors.add(data.hold_out.unit_of()[i], speed - measured);
+            }
+        }
+    }
+    Ok(FoldOutcome {
+        errors,
+        trial: None,
+        unfinished: model.unfinished_s().count(),
+        fit_seconds,
+        predict_seconds: started.elapsed().as_secs_f64(),
+    })
+}
+
+fn run_trial(
+    trial: Trial,
+    split: Split<'_>,
+    data: &TrajectoryData,
+    vehicle: &Vehicle,
+    settings: &TrajectorySettings,
+) -> Result<FoldOutcome, Error> {
+    let started = Instant::now();
+    let fitted = trial.fit(&learnt_from(split, data), &settings.trials)?;
+    let fit_seconds = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let horizons_s = &settings.direct.horizons_s;
+    let mut errors =
+        HorizonErrors::for_each(&vec![None; horizons_s.len()], data.hold_out.units().len());
+    let mut trips = Vec::new();
+    for i in split.held_out() {
+        let course = &data.courses[i];
+        let speed_mps = fitted.predict(course)?;
+        let figures = TripFigures::compare(course, &speed_mps, vehicle, settings.band_mps)
+            .map_err(|error| error.in_log(&course.name))?;
+        trips.push(TrialTrip {
+            course: i,
+            speed_mps,
+            figures,
+        });
+
+        let longest_s = horizons_s.iter().copied().fold(0.0, f64::max);
+        let origins = origins(course, longest_s, settings.direct.sample_step_s);
+        let ahead = fitted.predict_ahead(course, &origins, course.samples_in(longest_s))?;
+        for (&origin, ahead) in origins.iter().zip(ahead) {
+            for (errors, &horizon_s) in errors.iter_mut().zip(horizons_s) {
+                let steps = course.samples_in(horizon_s);
+                errors.add(
+                    data.hold_out.unit_of()[i],
+                    ahead[steps - 1] - course.speed_mps[origin + steps],
+                );
+            }
+        }
+    }
+    Ok(FoldOutcome {
+        errors,
+        unfinished: usize::from(fitted.fit.status != svr::Status::Optimal),
+        trial: Some((fitted, trips)),
+        fit_seconds,
+        predict_seconds: started.elapsed().as_secs_f64(),
+    })
+}
+
+impl TrajectoryEvaluation {
+    fn add(&mut self, contestant: Contestant, folds: Vec<FoldOutcome>, units: usize) {
+        let mut errors = vec![HorizonErrors::none(units); self.horizons_s.len()];
+        let (mut fit_seconds, mut predict_seconds, mut unfinished) = (0.0, 0.0, 0);
+        let (mut fits, mut trips) = (Vec::new(), Vec::new());
+        for fold in folds {
+            for (all, of_fold) in errors.iter_mut().zip(&fold.errors) {
+                all.merge(of_fold);
+            }
+            fit_seconds += fold.fit_seconds;
+            predict_seconds += fold.predict_seconds;
+            unfinished += fold.unfinished;
+            if let Some((fitted, predicted)) = fold.trial {
+                fits.push(fitted);
+                trips.extend(predicted);
+            }
+        }
+        let mut row = HorizonRow::new(
+            contestant.name(),
+            contestant.is_baseline(),
+            matches!(contestant, Contestant::Trial(_)),
+            errors,
+        );
+        (row.fit_seconds, row.predict_seconds, row.unfinished) =
+            (fit_seconds, predict_seconds, unfinished);
+        self.rows.push(row);
+        if let Contestant::Trial(trial) = contestant {
+            trips.sort_by_key(|trip| trip.course);
+            self.trials.push(TrialResult { trial, fits, trips });
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Integration tests, a module per theme.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::print_stderr
+)]
+
+mod conditioned;
+mod cruise;
+mod evaluation;
+mod following;
+mod free_run;
+#[allow(dead_code, reason = "for the tests of models too")]
+#[path = "../../../driver-model/tests/it/support.rs"]
+mod support;

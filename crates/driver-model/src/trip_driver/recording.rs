@@ -1,0 +1,297 @@
+use drive_log::{Channel, DriveLog};
+
+use super::zigzag::{Extremum, zigzag};
+use crate::Error;
+use crate::road::limit::{LIMIT_MPS, is_same_limit, rounded_limit};
+use crate::road::map::STOP_SPACING_M;
+use crate::road::{
+    LimitFrom, Road, RoadKnowledge, RoadMap, RoadStop, STANDSTILL_MPS, SlopeAt, SlowPoint,
+};
+
+/// Below this a speed is 0, m/s.
+const NOISE_MPS: f64 = 0.1;
+
+/// No car is faster, m/s.
+const FASTEST_MPS: f64 = 1e3;
+
+/// Shorter stops do not count, but for the one at the start, s.
+const SHORTEST_STOP_S: f64 = 1.0;
+
+/// A low that is this much below every limit around it is a slow point, m/s.
+const BELOW_LIMIT_MPS: f64 = 2.0;
+
+/// A recorded trip that knows its speed limits, as trip drivers learn from it.
+#[derive(Debug, Clone)]
+pub struct RecordedTrip {
+    pub(super) step_s: f64,
+    /// Noise around standstill is 0.
+    pub(super) speed_mps: Vec<f64>,
+    /// Rounded, known everywhere.
+    pub(super) limit_mps: Vec<f64>,
+    pub(super) distance_m: Vec<f64>,
+    /// Extrema of the speed.
+    pub(super) extrema: Vec<Extremum>,
+    /// Stops and slow points as they were, without slope.
+    pub(super) map: RoadMap,
+}
+
+impl RecordedTrip {
+    /// Takes a log.
+    ///
+    /// # Errors
+    /// [`Error::Log`] where the limit is missing, which says in which log and from where; [`Error::Option`] for a limit that is
+    /// none or a speed that no car has.
+    pub fn of(log: &DriveLog) -> Result<Self, Error> {
+        let limit_mps = known_limits(log)?;
+        let too_fast = log.speed_mps().iter().find(|v| **v > FASTEST_MPS);
+        if let Some(&value) = too_fast {
+            return Err(Error::Option {
+                name: "speed_mps",
+                value,
+                expected: "at most 1000 m/s",
+            });
+        }
+        let moving = |&v: &f64| if v < NOISE_MPS { 0.0 } else { v };
+        let speed_mps: Vec<f64> = log.speed_mps().iter().map(moving).collect();
+        let mut recording = Self {
+            step_s: log.step_s(),
+            distance_m: distance_m(&speed_mps, log.step_s()),
+            extrema: zigzag(&speed_mps),
+            speed_mps,
+            limit_mps,
+            map: RoadMap::default(),
+        };
+        let map = RoadMap {
+            length_m: recording.length_m(),
+            start_speed_mps: recording.speed_mps[0],
+            limits: recording.limits(),
+            stops: recording.stops(),
+            slow_points: Some(recording.slow_points()),
+            slope: Vec::new(),
+        };
+        recording.map = map.checked()?;
+        Ok(recording)
+    }
+
+    /// Samples in a time, at least one.
+    pub(super) fn samples_in(&self, time_s: f64) -> usize {
+        (time_s / self.step_s).round().max(1.0) as usize
+    }
+
+    /// Sampling interval.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    /// Measured speed; noise around standstill is 0.
+    #[must_use]
+    pub fn speed_mps(&self) -> &[f64] {
+        &self.speed_mps
+    }
+
+    /// Distance from the start.
+    #[must_use]
+    pub fn distance_m(&self) -> &[f64] {
+        &self.distance_m
+    }
+
+    /// From first to last sample.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        (self.speed_mps.len() - 1) as f64 * self.step_s
+    }
+
+    pub(super) fn length_m(&self) -> f64 {
+        self.distance_m[self.distance_m.len() - 1]
+    }
+
+    /// Time at which the speed is `level_mps` between sample `k` and the next, at one of them where it is not.
+    pub(super) fn crossing_s(&self, k: usize, level_mps: f64) -> f64 {
+        let (from, to) = (self.speed_mps[k], self.speed_mps[k + 1]);
+        let share = (level_mps - from) / (to - from);
+        let share = if share.is_finite() {
+            share.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        (k as f64 + share) * self.step_s
+    }
+
+    fn limits(&self) -> Vec<LimitFrom> {
+        let changes = (1..self.limit_mps.len())
+            .filter(|&k| !is_same_limit(self.limit_mps[k], self.limit_mps[k - 1]));
+        std::iter::once(0)
+            .chain(changes)
+            .map(|k| LimitFrom {
+                position_m: self.distance_m[k],
+                limit_mps: self.limit_mps[k],
+            })
+            .collect()
+    }
+
+    /// The times at which the speed crosses that of standstill are interpolated: at 1 Hz a second per stop is at stake.
+    fn stops(&self) -> Vec<RoadStop> {
+        let stands = |k: usize| self.speed_mps[k] < STANDSTILL_MPS;
+        let last = self.speed_mps.len() - 1;
+        let mut stops: Vec<RoadStop> = Vec::new();
+        let mut k = 0;
+        while k <= last {
+            if !stands(k) {
+                k += 1;
+                continue;
+            }
+            let first = k;
+            while k < last && stands(k + 1) {
+                k += 1;
+            }
+            let until_s = match k == last {
+                true => self.duration_s(),
+                false => self.crossing_s(k, STANDSTILL_MPS),
+            };
+            let from_s = match first {
+                0 => 0.0,
+                _ => self.crossing_s(first - 1, STANDSTILL_MPS),
+            };
+            let stop = RoadStop {
+                position_m: self.distance_m[first],
+                dwell_s: until_s - from_s,
+            };
+            match stops.last_mut() {
+                Some(last) if stop.position_m - last.position_m < STOP_SPACING_M => {
+                    last.dwell_s += stop.dwell_s;
+                }
+                _ => stops.push(stop),
+            }
+            k += 1;
+        }
+        let at_start = stands(0);
+        let mut number = 0;
+        stops.retain(|stop| {
+            number += 1;
+            stop.dwell_s >= SHORTEST_STOP_S || (at_start && number == 1)
+        });
+        stops
+    }
+
+    /// Lows that neither a stop nor a limit within a second explains.
+    fn slow_points(&self) -> Vec<SlowPoint> {
+        let reach = self.samples_in(1.0);
+        let last = self.limit_mps.len() - 1;
+        let slow = |&extremum: &Extremum| {
+            let Extremum::Low(k) = extremum else {
+                return None;
+            };
+            let around = &self.limit_mps[k.saturating_sub(reach)..=(k + reach).min(last)];
+            let lowest_mps = around.iter().copied().fold(f64::INFINITY, f64::min);
+            let speed_mps = self.speed_mps[k];
+            let is_one = speed_mps >= STANDSTILL_MPS && speed_mps < lowest_mps - BELOW_LIMIT_MPS;
+            is_one.then_some(SlowPoint {
+                position_m: self.distance_m[k],
+                speed_mps,
+            })
+        };
+        self.extrema.iter().filter_map(slow).collect()
+    }
+}
+
+impl Road {
+    /// The road of a recorded drive, with its stops and, if they are to be known, its slow points.
+    ///
+    /// `slope_rad` has one value per sample, such as from [`crate::energy::slope_rad`]; `None` is a level road.
+    ///
+    /// # Errors
+    /// [`Error::Log`] where limits are missing or the slope has another length, otherwise as [`Road::new`].
+    pub fn of_log(
+        log: &DriveLog,
+        slope_rad: Option<&[f64]>,
+        knowledge: RoadKnowledge,
+    ) -> Result<Self, Error> {
+        if let Some(slope_rad) = slope_rad
+            && slope_rad.len() != log.len()
+        {
+            return Err(Error::Log(drive_log::Error::Length {
+                log: log.name().to_owned(),
+                channel: Channel::Slope.name(),
+                found: slope_rad.len(),
+                expected: log.len(),
+            }));
+        }
+        Self::of_trip(&RecordedTrip::of(log)?, slope_rad, knowledge)
+    }
+
+    /// The same of a trip.
+    ///
+    /// # Errors
+    /// As [`Road::new`].
+    pub fn of_trip(
+        trip: &RecordedTrip,
+        slope_rad: Option<&[f64]>,
+        knowledge: RoadKnowledge,
+    ) -> Result<Self, Error> {
+        let mut map = trip.map.clone();
+        if knowledge == RoadKnowledge::Stops {
+            map.slow_points = None;
+        }
+        let slope = trip.distance_m.iter().zip(slope_rad.unwrap_or_default());
+        map.slope = slope
+            .map(|(&position_m, &slope_rad)| SlopeAt {
+                position_m,
+                slope_rad,
+            })
+            .collect();
+        Self::new(map)
+    }
+}
+
+fn known_limits(log: &DriveLog) -> Result<Vec<f64>, Error> {
+    let name = || log.name().to_owned();
+    let channel = Channel::SpeedLimit.name();
+    let Some(limit_mps) = log.channel(Channel::SpeedLimit) else {
+        return Err(Error::Log(drive_log::Error::Length {
+            log: name(),
+            channel,
+            found: 0,
+            expected: log.len(),
+        }));
+    };
+    let unknown = limit_mps.iter().position(|limit| !limit.is_finite());
+    if let Some(index) = unknown {
+        return Err(Error::Log(drive_log::Error::NotFinite {
+            log: name(),
+            channel,
+            index,
+            value: limit_mps[index],
+        }));
+    }
+    if let Some(&value) = limit_mps.iter().find(|l| !LIMIT_MPS.contains(l)) {
+        return Err(Error::Option {
+            name: channel,
+            value,
+            expected: "a limit from 0.5 m/s to 400 km/h in every sample",
+        });
+    }
+    Ok(limit_mps
+        .iter()
+        .map(|&limit| rounded_limit(limit))
+        .collect())
+}
+
+fn distance_m(speed_mps: &[f64], step_s: f64) -> Vec<f64> {
+    let mut distance_m = vec![0.0; speed_mps.len()];
+    for k in 1..speed_mps.len() {
+        distance_m[k] = distance_m[k - 1] + 0.5 * (speed_mps[k - 1] + speed_mps[k]) * step_s;
+    }
+    distance_m
+}
+
+/// Linear between samples; `index` may lie between two, beyond the ends it is the nearest.
+/// The value at a fractional index, linear in between, that of the ends beyond them; `values` must not be empty.
+#[must_use]
+pub fn interpolated(values: &[f64], index: f64) -> f64 {
+    let last = values.len() - 1;
+    let index = index.clamp(0.0, last as f64);
+    let left = (index as usize).min(last.saturating_sub(1));
+    let right = (left + 1).min(last);
+    values[left] + (values[right] - values[left]) * (index - left as f64)
+}
