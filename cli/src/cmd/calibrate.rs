@@ -15,7 +15,6 @@ use crate::inputs;
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{Figures, RequireArgs};
@@ -86,7 +85,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     );
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
-        let page = html::CALIBRATION.filled(&serde_json::to_value(&document)?);
+        let page = report::CALIBRATION.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }

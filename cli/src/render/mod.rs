@@ -1,7 +1,6 @@
 //! One renderer per format.
 
 pub(crate) mod chart;
-pub(crate) mod html;
 pub(crate) mod json;
 pub(crate) mod model_svg;
 pub(crate) mod svg;

@@ -4,7 +4,6 @@
 
 mod access;
 mod events;
-mod page;
 mod places;
 mod server;
 mod snapshot;

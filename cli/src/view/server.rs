@@ -206,7 +206,7 @@ async fn page() -> Response {
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     );
     let policy = [(header::CONTENT_SECURITY_POLICY, policy)];
-    (policy, Html(super::page::html(&nonce))).into_response()
+    (policy, Html(report::live(&nonce))).into_response()
 }
 
 async fn events(

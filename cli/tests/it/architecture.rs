@@ -3,20 +3,31 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const ALLOWED: [(&str, &[&str]); 8] = [
-    ("drive-log", &[]),
+const ALLOWED: [(&str, &[&str]); 12] = [
+    ("parquet-table", &[]),
+    ("drive-log", &["parquet-table"]),
     ("tseg", &[]),
     ("ev-energy", &[]),
     ("svr", &[]),
     ("driver-model", &["drive-log", "ev-energy", "svr", "tseg"]),
+    ("drive-sim", &["drive-log", "driver-model", "ev-energy"]),
+    (
+        "driver-eval",
+        // the simulated drives are for its tests
+        &["drive-log", "drive-sim", "driver-model", "ev-energy", "svr"],
+    ),
+    ("report", &[]),
     ("unicycle-cbf", &[]),
-    ("testbed-io", &["unicycle-cbf"]),
+    ("testbed-io", &["parquet-table", "unicycle-cbf"]),
     (
         "drivekit",
         &[
             "drive-log",
+            "drive-sim",
+            "driver-eval",
             "driver-model",
             "ev-energy",
+            "report",
             "svr",
             "testbed-io",
             "tseg",

@@ -9,7 +9,7 @@ use crate::program::{drivekit, drivekit_in, run};
 
 const BRIDGE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../bridges/robotarium_simulator.py"
+    "/../crates/testbed-io/examples/robotarium_simulator.py"
 );
 
 #[test]

@@ -212,7 +212,10 @@ fn ctrl_c_at_a_terminal_leaves_the_robots_program_time_to_hear_zeros() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../bridges/robots.py");
+    let robots = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../crates/testbed-io/examples/robots.py"
+    );
     let link = format!(
         "robots = [1, 2]\n[poses]\nkind = \"program\"\ncommand = [\"sh\", \"-c\", \"tee told.txt | python3 {robots}\"]\n\
          [commands]\nkind = \"program\"\n"

@@ -8,7 +8,6 @@ use crate::flags::{Context, Format};
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{Figures, RequireArgs};
@@ -106,7 +105,7 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     let mut document = Document::new("ctrl-campaign", args, &[], body);
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
-        let page = html::CAMPAIGN.filled(&serde_json::to_value(&document)?);
+        let page = report::CAMPAIGN.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }

@@ -17,7 +17,6 @@ use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::numbers;
 use crate::output;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{Figures, RequireArgs};
@@ -249,7 +248,7 @@ impl RunArgs {
         let mut document = Document::new("ctrl-run", self, &[], body);
         let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
-            let page = html::CONTROL.filled(&serde_json::to_value(&document)?);
+            let page = report::CONTROL.filled(&serde_json::to_value(&document)?);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
             document.body.figures = None;

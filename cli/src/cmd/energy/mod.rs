@@ -17,7 +17,6 @@ use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
 use crate::numbers;
 use crate::output;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::require::{Figures, RequireArgs};
 
@@ -121,7 +120,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         for entry in &mut document.body.logs {
             entry.curve = Some(std::mem::take(&mut entry.energy.curve));
         }
-        let page = html::ENERGY.filled(&serde_json::to_value(&document)?);
+        let page = report::ENERGY.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }

@@ -33,7 +33,6 @@ use crate::inputs::{self, Inputs};
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::require::{Figures, RequireArgs};
 use hold_out::{HoldOutArgs, Units};
@@ -228,7 +227,7 @@ impl EvaluateArgs {
         .beside(prior_inputs);
         let outcome = document.judged(&args.require)?;
         if let Some(path) = &args.report {
-            let page = html::EVALUATION.filled(&document::with_curves(
+            let page = report::EVALUATION.filled(&document::with_curves(
                 serde_json::to_value(&document)?,
                 &findings,
                 &trips,

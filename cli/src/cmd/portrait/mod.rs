@@ -14,7 +14,6 @@ use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input, Inputs};
 use crate::output;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{Figures, RequireArgs};
@@ -86,7 +85,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
     let mut document = Document::new("portrait", args, &inputs, body).beside(&fleet_inputs);
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
-        let page = html::PORTRAIT.filled(&serde_json::to_value(&document)?);
+        let page = report::PORTRAIT.filled(&serde_json::to_value(&document)?);
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("page written to {}", path.display()));
     }

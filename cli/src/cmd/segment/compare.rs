@@ -17,7 +17,6 @@ use crate::flags::{Context, Format, ReadingArgs};
 use crate::inputs;
 use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::Figures;
@@ -75,7 +74,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     if let (Some(path), Some(log)) = (&args.report, logs.first()) {
         let mut report = serde_json::to_value(&document)?;
         report["figures"] = figures::of(log, args)?;
-        let page = html::SEGMENTATION.filled(&report);
+        let page = report::SEGMENTATION.filled(&report);
         write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         note(context, &format!("report written to {}", path.display()));
     }

@@ -36,7 +36,7 @@ fn page_is_read_without_a_token_here() {
 
 #[test]
 fn page_reaches_for_nothing_outside() {
-    let page = crate::view::page::html("0").replace("http://www.w3.org/2000/svg", "");
+    let page = report::live("0").replace("http://www.w3.org/2000/svg", "");
     for external in [
         "http:",
         "https:",

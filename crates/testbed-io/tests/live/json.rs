@@ -99,7 +99,7 @@ fn a_recording_is_played_fast_and_in_real_time() {
 
 #[test]
 fn a_program_is_the_robots() {
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");
     let mut python = std::process::Command::new("python3");
     if python.arg("--version").output().is_err() {
         println!("skipped: no python3");
@@ -146,7 +146,7 @@ fn a_program_gives_the_poses_of_robots_that_hear_elsewhere() {
         println!("skipped: no python3");
         return;
     }
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");
     let program = PosesSpec::Program(ProgramSpec {
         command: vec!["python3".to_owned(), robots.to_owned()],
         latency_s: 0.0,
@@ -172,7 +172,7 @@ fn a_program_that_ends_leaves_robots_that_may_move_and_no_safe_verdict() {
         println!("skipped: no python3");
         return;
     }
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bridges/robots.py");
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");
     let program = PosesSpec::Program(ProgramSpec {
         command: ["timeout", "-s", "KILL", "4", "python3", robots]
             .map(str::to_owned)

@@ -28,7 +28,6 @@ use crate::inputs::{Input, Inputs};
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::html;
 use crate::render::json::Document;
 use crate::words::plural;
 
@@ -109,7 +108,7 @@ impl EvaluateArgs {
                 &evaluation,
                 curve.as_ref(),
             );
-            let page = html::TRAJECTORY.filled(&shown);
+            let page = report::TRAJECTORY.filled(&shown);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
         }

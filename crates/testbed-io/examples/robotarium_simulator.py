@@ -4,7 +4,7 @@ Needs the package `rps` (https://github.com/robotarium/robotarium_python_simulat
 
     [poses]
     kind = "program"
-    command = ["python3", "bridges/robotarium_simulator.py"]     # --no-figure without a window
+    command = ["python3", "crates/testbed-io/examples/robotarium_simulator.py"]     # --no-figure without a window
 
     [commands]
     kind = "program"
