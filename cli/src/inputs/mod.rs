@@ -131,6 +131,22 @@ impl Inputs {
         &self.beside
     }
 
+    /// The error, which says why only one drive is left where others are the same.
+    pub(crate) fn explained(&self, error: anyhow::Error) -> anyhow::Error {
+        match (&self.drives[..], self.beside.twice.len()) {
+            ([one], again @ 1..) => anyhow!(
+                "{error:#}; the other {} the same drive as {} and counted once",
+                if again == 1 {
+                    "log is".to_owned()
+                } else {
+                    format!("{again} logs are")
+                },
+                one.label()
+            ),
+            _ => error,
+        }
+    }
+
     /// Negative where a log was skipped.
     pub(crate) fn outcome(&self) -> Outcome {
         if self.beside.skipped.is_empty() {

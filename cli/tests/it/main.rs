@@ -12,6 +12,7 @@ mod architecture;
 mod bad_input;
 mod browser;
 mod calibrate;
+mod copies;
 mod ctrl;
 mod ctrl_check;
 mod ctrl_links;

@@ -269,3 +269,29 @@ fn three_logs_of_one_name_are_three_units() {
     let document = drivekit_in(&folder, &args).ok().json();
     assert_eq!(document["units"].as_array().unwrap().len(), 3);
 }
+
+#[test]
+fn the_error_of_a_single_drive_says_that_the_others_are_the_same() {
+    let folder = drives(1);
+    let again = csv(
+        "time_s,speed_mps",
+        drive(1)
+            .into_iter()
+            .map(|[time, speed]| [time + 60.0, speed]),
+    );
+    fs::write(folder.path().join("again.csv"), again).unwrap();
+    for task in [
+        &[][..],
+        &[
+            "--task",
+            "trajectory",
+            "--models",
+            "ridge",
+            "--horizons",
+            "5",
+        ],
+    ] {
+        let args = [&["evaluate", ".", "-q"], task].concat();
+        drivekit_in(folder.path(), &args).refused(&["log is the same drive", "d1/log.csv"]);
+    }
+}

@@ -14,7 +14,7 @@ use crate::number::{decided_mark, decimal_mark, number};
 use crate::origin::Kinds;
 use crate::text::{SNIFFED_ROWS, Table, decoded, fields};
 use crate::unit::Unit;
-use crate::{Channel, Error};
+use crate::{Channel, Error, TableError};
 
 /// A column of numbers to read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,12 +89,13 @@ fn settled_mark(path: &Path, table: &Table<'_>, columns: &[Wanted]) -> Result<Op
         });
     }
     open.map_or(Ok(None), |(line, column, text)| {
-        Err(Error::DecimalMark {
+        Err(TableError::DecimalMark {
             path: path.to_owned(),
             line,
             header: table.head.headers[column].clone(),
             text,
-        })
+        }
+        .into())
     })
 }
 
@@ -163,13 +164,14 @@ fn width_of_all(path: &Path, table: &Table<'_>) -> Option<Error> {
     });
     let header_line = table.head.line;
     (same && count > 2 && found > 1 && found != expected && header_line > 0).then(|| {
-        Error::HeaderWidth {
+        TableError::HeaderWidth {
             path: path.to_owned(),
             line,
             found,
             expected,
             header_line,
         }
+        .into()
     })
 }
 
@@ -183,7 +185,7 @@ pub(crate) fn checked_fields<'r>(
     let line_text = row;
     let row = fields(row, delimiter);
     if row.len() < expected || row[expected..].iter().any(|field| !field.is_empty()) {
-        return Err(Error::Ragged {
+        return Err(TableError::Ragged {
             path: path.to_owned(),
             line,
             found: row.len(),
@@ -193,7 +195,8 @@ pub(crate) fn checked_fields<'r>(
                 .into_iter()
                 .find(|other| fields(line_text, *other).len() == expected && expected > 1)
                 .map(char::from),
-        });
+        }
+        .into());
     }
     Ok(row)
 }

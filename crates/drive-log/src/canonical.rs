@@ -23,6 +23,7 @@ const OPEN_TIMES: [&str; 11] = [
 ];
 
 /// What a canonical header says.
+#[derive(Clone, Copy)]
 enum Meaning {
     Time(Unit),
     Channel(Channel, Unit),
@@ -69,6 +70,57 @@ fn meaning(header: &str) -> Meaning {
     }
 }
 
+/// What the headers say. One that is spelled otherwise, `Battery Voltage [V]`, counts where none says the
+/// same in canonical words.
+fn meanings(headers: &[String]) -> Vec<Meaning> {
+    let exact: Vec<Meaning> = headers.iter().map(|header| meaning(header)).collect();
+    let has_time = exact.iter().any(|m| matches!(m, Meaning::Time(_)))
+        || OPEN_TIMES
+            .iter()
+            .any(|name| position(headers, name).is_some());
+    let is_new = |said: &Meaning| match said {
+        Meaning::Time(_) => !has_time,
+        Meaning::Channel(channel, _) => !exact
+            .iter()
+            .any(|m| matches!(m, Meaning::Channel(c, _) | Meaning::Short(c, _) if c == channel)),
+        _ => false,
+    };
+    let meaning_of = |(header, exact): (&String, &Meaning)| match exact {
+        Meaning::Other => Some(spelled(header)).filter(is_new).unwrap_or(*exact),
+        _ => *exact,
+    };
+    headers.iter().zip(&exact).map(meaning_of).collect()
+}
+
+/// What a header says whose words are divided by blanks, dashes or brackets. A number at its end counts columns, and is
+/// no unit.
+fn spelled(header: &str) -> Meaning {
+    let divides = |c: char| c.is_whitespace() || "_-[](){}".contains(c);
+    let words: Vec<&str> = header
+        .split(divides)
+        .filter(|word| !word.is_empty())
+        .collect();
+    match words.last() {
+        Some(unit) if unit.parse::<f64>().is_err() => meaning(&words.join("_")),
+        _ => Meaning::Other,
+    }
+}
+
+fn position(headers: &[String], name: &str) -> Option<usize> {
+    headers
+        .iter()
+        .position(|header| header.trim().eq_ignore_ascii_case(name))
+}
+
+/// Whether the file has a time and a speed with its unit, however they are spelled.
+pub(crate) fn claims_spelled(headers: &[String]) -> bool {
+    let meanings = meanings(headers);
+    let has_speed = meanings
+        .iter()
+        .any(|m| matches!(m, Meaning::Channel(Channel::Speed, _)));
+    has_speed && time(Path::new(""), headers, &meanings).is_ok()
+}
+
 /// Whether the file speaks of time or speed in canonical words.
 pub(crate) fn claims(headers: &[String]) -> bool {
     headers.iter().any(|h| {
@@ -83,7 +135,7 @@ pub(crate) fn claims(headers: &[String]) -> bool {
 }
 
 pub(crate) fn plan(path: &Path, headers: &[String]) -> Result<Plan, Error> {
-    let meanings: Vec<Meaning> = headers.iter().map(|header| meaning(header)).collect();
+    let meanings = meanings(headers);
     let columns = channels(path, headers, &meanings)?;
     if !columns.iter().any(|c| c.channel == Channel::Speed) {
         return Err(speed_without_unit(path, headers).unwrap_or_else(|| {
@@ -180,11 +232,7 @@ fn time(path: &Path, headers: &[String], meanings: &[Meaning]) -> Result<TimeCol
         (Some((column, unit)), None) => return Ok(TimeColumns::Number { column, unit }),
         (None, _) => {}
     }
-    let named = |name: &str| {
-        headers
-            .iter()
-            .position(|header| header.trim().eq_ignore_ascii_case(name))
-    };
+    let named = |name: &str| position(headers, name);
     if let (Some(date), Some(clock)) = (named("date"), named("time").or_else(|| named("clock"))) {
         return Ok(TimeColumns::DateAndClock { date, clock });
     }

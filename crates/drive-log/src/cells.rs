@@ -8,7 +8,7 @@ use crate::note::{About, Note, excerpt};
 use crate::number::{decimal_mark, is_missing, is_range, number, number_and_rest, thousands};
 use crate::text::{Table, decoded, fields};
 use crate::unit::Unit;
-use crate::{Action, Channel, Error, FindingKind};
+use crate::{Action, Channel, Error, FindingKind, TableError};
 
 /// Words in place of numbers in a column: how often each is there, and in which rows.
 #[derive(Default)]
@@ -105,12 +105,13 @@ impl<'a> RowByRow<'a> {
             self.words[k].take(row, line, text);
             return Ok(f64::NAN);
         }
-        Err(Error::Cell {
+        Err(TableError::Cell {
             path: self.path.to_owned(),
             line,
             header: self.table.head.headers[wanted.column].clone(),
             text: excerpt(text),
-        })
+        }
+        .into())
     }
 
     /// A value with its unit behind it, which must be that of the column.
@@ -124,28 +125,40 @@ impl<'a> RowByRow<'a> {
         if unit == wanted.unit {
             return Ok(value);
         }
-        Err(Error::UnitAtOdds {
+        Err(TableError::UnitAtOdds {
             path: self.path.to_owned(),
             line,
             header: self.table.head.headers[wanted.column].clone(),
             found: found.to_owned(),
             unit: wanted.unit.to_string(),
-        })
+        }
+        .into())
     }
 
     /// Whether `mark` stands between the thousands of all numbers of a column: none has it
-    /// elsewhere, and none over a thousand is without.
+    /// elsewhere, and none over a thousand is without. Where numbers have decimals, one must have
+    /// both marks.
     fn is_grouped(&mut self, k: usize, mark: char) -> bool {
         let column = self.columns[k].column;
+        let decimal_mark = if mark == ',' { '.' } else { ',' };
         *self.grouped[k].get_or_insert_with(|| {
-            self.table.rows().all(|(_, row)| {
+            let (mut decimals, mut both) = (false, false);
+            let grouped = self.table.rows().all(|(_, row)| {
                 let row = decoded(row);
                 let cells = fields(&row, self.table.delimiter);
                 let cell = cells.get(column).copied().unwrap_or_default();
-                let small = cell.trim_start_matches(['+', '-']);
+                let (whole, decimal) = match cell.split_once(decimal_mark) {
+                    Some((whole, _)) => (whole, true),
+                    None => (cell, false),
+                };
+                let small = whole.trim_start_matches(['+', '-']);
                 let small = small.len() <= 3 && small.bytes().all(|b| b.is_ascii_digit());
-                small || thousands(cell, mark).is_some() || number(cell).is_none()
-            })
+                let large = thousands(whole, mark).is_some();
+                decimals |= decimal;
+                both |= decimal && large;
+                small || large || number(cell).is_none()
+            });
+            grouped && (both || !decimals)
         })
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::note::{About, Note, excerpt};
 use crate::number::is_missing;
 use crate::stamp::{Date, DateOrder, Stamp, stamp};
-use crate::{Action, Error, FindingKind};
+use crate::{Action, Error, FindingKind, TableError};
 
 const DAY_S: f64 = 86_400.0;
 
@@ -76,12 +76,13 @@ impl Clock {
     }
 
     fn open_order(&self, path: &Path, row: usize) -> Error {
-        Error::DateOrder {
+        TableError::DateOrder {
             path: path.to_owned(),
             line: self.texts[row].0,
             header: self.header.clone(),
             text: excerpt(&self.texts[row].1),
         }
+        .into()
     }
 
     /// Where every date is none, the column is none of dates.
@@ -218,12 +219,13 @@ fn nearest(change_s: f64) -> f64 {
 }
 
 fn not_a_time(path: &Path, header: &str, line: usize, text: &str) -> Error {
-    Error::Clock {
+    TableError::Clock {
         path: path.to_owned(),
         line,
         header: header.to_owned(),
         text: excerpt(text),
     }
+    .into()
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ pub struct Layout {
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
     Canonical,
+    /// The canonical layout for headers that are spelled otherwise.
+    Spelled,
     Described(Box<Described>),
     OpenAcc,
     CycleTable,
@@ -144,6 +146,10 @@ impl Layout {
                 for name in Layout::BUILT_IN {
                     layouts.extend(Layout::built_in(name)?);
                 }
+                layouts.push(Layout {
+                    name: "canonical".to_owned(),
+                    kind: Kind::Spelled,
+                });
                 Ok(layouts)
             }
         }
@@ -157,7 +163,7 @@ impl Layout {
                 skip_lines: openacc::LINES_BEFORE_HEADER,
                 ..Form::default()
             },
-            Kind::Canonical | Kind::CycleTable => Form::default(),
+            Kind::Canonical | Kind::Spelled | Kind::CycleTable => Form::default(),
         }
     }
 
@@ -165,6 +171,7 @@ impl Layout {
     pub(crate) fn claims(&self, head: &Head) -> bool {
         match &self.kind {
             Kind::Canonical => canonical::claims(&head.headers),
+            Kind::Spelled => canonical::claims_spelled(&head.headers),
             Kind::Described(described) => {
                 let further = DESCRIBED.iter().find(|(name, _, _)| *name == self.name);
                 let there = |header: &&str| head.headers.iter().any(|h| h.trim() == *header);
@@ -179,7 +186,7 @@ impl Layout {
     /// Which columns to read, and what they become.
     pub(crate) fn plan(&self, path: &Path, head: &Head) -> Result<Plan, Error> {
         match &self.kind {
-            Kind::Canonical => canonical::plan(path, &head.headers),
+            Kind::Canonical | Kind::Spelled => canonical::plan(path, &head.headers),
             Kind::Described(described) => described.plan(path, head),
             Kind::OpenAcc => openacc::plan(path, head),
             Kind::CycleTable => cycle_table::plan(path, &head.headers),

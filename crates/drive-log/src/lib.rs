@@ -88,7 +88,7 @@ mod write;
 
 pub use channel::Channel;
 pub use derivative::forward_difference;
-pub use error::Error;
+pub use error::{Error, TableError};
 pub use finding::{Action, Finding, FindingKind};
 pub use layout::{Layout, LayoutChoice};
 pub use log::DriveLog;

@@ -61,14 +61,15 @@ impl Source<'_> {
         }
     }
 
-    /// Whether the times of a column are text: dates or clocks.
-    fn has_stamps(&self, column: usize) -> bool {
+    /// Whether the times of a column are text: dates or clocks, and whatever is no number where the
+    /// header says no unit.
+    fn has_stamps(&self, column: usize, unit: Option<Unit>) -> bool {
         match self {
             Source::Text(table) => table.rows().find_map(|(_, row)| {
                 let row = decoded(row);
                 let cells = fields(&row, table.delimiter);
                 let cell = cells.get(column).filter(|cell| !is_missing(cell))?;
-                Some(number(cell).is_none() && stamp(cell).is_some())
+                Some(number(cell).is_none() && (unit.is_none() || stamp(cell).is_some()))
             }),
             Source::Parquet(file) => Some(file.is_text(column)),
         }
@@ -119,7 +120,7 @@ impl Reading {
                 return Ok((Reading::Clock(clock), None));
             }
         };
-        if !source.has_stamps(column) {
+        if !source.has_stamps(column, unit) {
             return Ok((Reading::Numbers { column, unit }, None));
         }
         let texts = source.texts(path, column)?;

@@ -89,6 +89,21 @@ struct Parts {
 impl Parts {
     /// Takes a part of the text; `None` for what is no part of a date or clock, or is there twice.
     fn take(&mut self, token: &str) -> Option<()> {
+        if let Some((clock, afternoon)) = half_of_day(token) {
+            set(&mut self.afternoon, afternoon)?;
+            return if clock.is_empty() {
+                Some(())
+            } else {
+                self.take(clock)
+            };
+        }
+        if let Some(packed) = token
+            .strip_suffix(['Z', 'z'])
+            .filter(|rest| packed_clock_s(rest).is_some())
+        {
+            set(&mut self.zone_s, 0.0)?;
+            return self.take(packed);
+        }
         if token.contains(':') && token.starts_with(|c: char| c.is_ascii_digit()) {
             let end = token.find(['Z', 'z', '+', '-']).unwrap_or(token.len());
             if end < token.len() {
@@ -102,11 +117,6 @@ impl Parts {
         }
         if is_weekday(token) {
             return Some(());
-        }
-        match token.to_ascii_uppercase().as_str() {
-            "AM" => return set(&mut self.afternoon, false),
-            "PM" => return set(&mut self.afternoon, true),
-            _ => {}
         }
         if let Some(zone_s) = zone_s(token) {
             return set(&mut self.zone_s, zone_s);
@@ -152,6 +162,15 @@ impl Parts {
             zone_s: self.zone_s,
         })
     }
+}
+
+/// A clock with `AM` or `PM` after it, which may stand alone, and whether it is the afternoon.
+fn half_of_day(token: &str) -> Option<(&str, bool)> {
+    let at = token.len().checked_sub(2)?;
+    let (clock, half) = (token.get(..at)?, token.get(at..)?);
+    let afternoon = half.eq_ignore_ascii_case("PM");
+    let clocked = clock.is_empty() || clock.ends_with(|c: char| c.is_ascii_digit());
+    (clocked && (afternoon || half.eq_ignore_ascii_case("AM"))).then_some((clock, afternoon))
 }
 
 fn set<T>(place: &mut Option<T>, value: T) -> Option<()> {
@@ -294,6 +313,7 @@ mod tests {
             "05-Aug-2026 06:57:56.250 PM",
             "20260805 185756.250",
             "20260805T185756.250",
+            "05-Aug-2026 06:57:56.250PM",
             "Wed Aug 05 18:57:56.250 2026",
             "5 Aug 2026, 18:57:56.25",
         ] {
@@ -308,6 +328,7 @@ mod tests {
             ("2026-03-29T01:55:00+01:00", 3600.0),
             ("2026-03-29 01:55:00 -0530", -19_800.0),
             ("2026-03-29 01:55 UTC", 0.0),
+            ("20260329T015500.5Z", 0.0),
             ("Sun Mar 29 01:55:00 GMT+01:00 2026", 3600.0),
         ] {
             assert_eq!(stamp(text).unwrap().zone_s, Some(zone_s), "{text}");
@@ -349,6 +370,8 @@ mod tests {
             "",
             "12.5",
             "1:00:00 2:00:00",
+            "1:00:00PM PM",
+            "010000ZZ",
             "tomorrow",
         ] {
             assert_eq!(stamp(text), None, "{text}");

@@ -10,7 +10,7 @@ use crate::number::{is_missing, number};
 use crate::text::{Table, decoded, fields, is_comment};
 use crate::top::names;
 use crate::unit::Unit;
-use crate::{Action, Error, FindingKind};
+use crate::{Action, Error, FindingKind, TableError};
 
 /// Rows under the header that may describe the columns, and rows that a footer may have.
 const DESCRIPTIONS: usize = 3;
@@ -239,13 +239,14 @@ fn check_units(
         let text = text.trim_matches(['[', ']', '(', ')']);
         let said = Unit::parse(unit.quantity(), text);
         if said.is_some_and(|said| said != *unit) {
-            return Err(Error::UnitAtOdds {
+            return Err(TableError::UnitAtOdds {
                 path: path.to_owned(),
                 line,
                 header: table.head.headers[*column].clone(),
                 found: text.to_owned(),
                 unit: unit.to_string(),
-            });
+            }
+            .into());
         }
     }
     Ok(())

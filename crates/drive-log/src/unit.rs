@@ -81,7 +81,7 @@ const fn temperature(
 /// The first unit of each quantity is its SI unit, degrees Celsius for temperatures. A mile is 1609.344 m and a foot 0.3048 m
 /// (international yard and pound agreement, 1959), a nautical mile 1852 m (1929); standard gravity
 /// is 9.80665 m/s² (3rd CGPM, 1901).
-const UNITS: [Unit; 31] = [
+const UNITS: [Unit; 32] = [
     Unit::SECOND,
     Unit::MILLISECOND,
     Unit::MICROSECOND,
@@ -93,6 +93,7 @@ const UNITS: [Unit; 31] = [
     Unit::KILOMETRE_PER_HOUR,
     ratio(Quantity::Speed, "mph", "mph", 1609.344, 3600.0),
     ratio(Quantity::Speed, "kn", "kn", 1852.0, 3600.0),
+    ratio(Quantity::Speed, "cmps", "cm/s", 1.0, 100.0),
     Unit::METRE_PER_SECOND_SQUARED,
     ratio(Quantity::Acceleration, "g", "g", 9.80665, 1.0),
     ratio(Quantity::Slope, "rad", "rad", 1.0, 1.0),

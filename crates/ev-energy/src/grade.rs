@@ -1,12 +1,13 @@
+mod noise;
+mod profile;
+
 use crate::GRAVITY_MPS2;
 use crate::error::Error;
+use noise::{widened_m, without_outliers};
+use profile::Profile;
 
 /// Bandwidth that suits elevations from satellite navigation and from terrain models, m.
 pub const DEFAULT_SLOPE_BANDWIDTH_M: f64 = 100.0;
-
-/// Windows shorter than this share of the bandwidth carry no slope: noise would be divided by next
-/// to nothing.
-const SHORTEST_WINDOW: f64 = 0.01;
 
 /// Distances beyond this lose the metres to rounding.
 const DISTANCE_LIMIT_M: f64 = 1e9;
@@ -22,19 +23,6 @@ const SPECIFIC_FORCE_LIMIT: f64 = 0.5;
 
 /// A step of at most so many of the smallest steps comes from rounding; a larger one after a hold from a receiver without a fix.
 const ROUNDING_STEPS: f64 = 1.5;
-
-/// An elevation is an outlier if it is off the smoothed road by this many standard deviations of the others, and by so many
-/// metres.
-const OUTLIER_DEVIATIONS: f64 = 5.0;
-const OUTLIER_M: f64 = 5.0;
-
-/// Noise of the elevation may add this much to the slope, standard deviation; where it would add more, the window is widened, to at
-/// most so many bandwidths.
-const SLOPE_DEVIATION: f64 = 0.002;
-const WIDEST_BANDWIDTHS: f64 = 10.0;
-
-/// Standard deviation of a normal distribution over the median of its magnitude.
-const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
 /// Slope angle in rad, positive uphill, from elevation along the road.
 ///
@@ -53,7 +41,7 @@ const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 /// Elevations in steps are read as what they are: where a rounded value changes to the next, the road is halfway between the
 /// two; where a value was held and then jumps, only the first sample of the hold was measured. Outliers, more than 5 m and
 /// five standard deviations off a first fit, are left out of a second one. Where elevations scatter so that the slope would be
-/// off by more than 0.002 (standard deviation), the window is widened, to at most 10 `b`.
+/// off by more than 0.005 (standard deviation), the window is widened, to at most 10 `b`.
 ///
 /// - `distance_m`: place along the road, distance from the start, within ±10⁹ m. It decreases where the car goes back, over the
 ///   same road.
@@ -259,201 +247,4 @@ fn unstepped(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     }
     kept.extend(before);
     kept
-}
-
-/// The points that are not far off the smoothed road.
-fn without_outliers(mut points: Vec<(f64, f64)>, bandwidth_m: f64) -> Vec<(f64, f64)> {
-    let profile = Profile::new(points.iter().copied());
-    let distance_m: Vec<f64> = points.iter().map(|(distance_m, _)| *distance_m).collect();
-    let off_m: Vec<f64> = profile
-        .smoothed(&distance_m, bandwidth_m)
-        .zip(&points)
-        .map(|(smooth_m, (_, elevation_m))| smooth_m.map_or(0.0, |h| (elevation_m - h).abs()))
-        .collect();
-    let median_m = median(off_m.clone());
-    let limit_m = (OUTLIER_DEVIATIONS * DEVIATION_PER_MEDIAN * median_m).max(OUTLIER_M);
-    let mut off_m = off_m.into_iter();
-    points.retain(|_| off_m.next().is_some_and(|off_m| off_m <= limit_m));
-    points
-}
-
-/// The bandwidth at which noise of the points leaves the slope to [`SLOPE_DEVIATION`]. A straight line through points of spacing
-/// `d` and deviation `σ` over a length `L` has a gradient of deviation `σ √(12 d/L³)`.
-fn widened_m(points: &[(f64, f64)], bandwidth_m: f64) -> f64 {
-    // farther apart, a hill looks like noise
-    let close = |three: &&[(f64, f64)]| three[2].0 - three[0].0 <= bandwidth_m;
-    let off_m: Vec<f64> = points
-        .windows(3)
-        .filter(close)
-        .filter_map(off_neighbours_m)
-        .collect();
-    let spacing_m = match (points.first(), points.last()) {
-        (Some(first), Some(last)) => (last.0 - first.0) / points.len() as f64,
-        _ => return bandwidth_m,
-    };
-    let deviation_m = DEVIATION_PER_MEDIAN * median(off_m);
-    let length_m = (12.0 * spacing_m * (deviation_m / SLOPE_DEVIATION).powi(2)).cbrt();
-    (0.5 * length_m).clamp(bandwidth_m, WIDEST_BANDWIDTHS * bandwidth_m)
-}
-
-/// How far the middle one of three points lies off the line through the others, for noise of the same deviation, m; `None` where
-/// they do not follow each other.
-fn off_neighbours_m(points: &[(f64, f64)]) -> Option<f64> {
-    let [(from_m, before), (at_m, here), (to_m, after)] = points else {
-        return None;
-    };
-    let share = (at_m - from_m) / (to_m - from_m);
-    let off_m = here - (before + share * (after - before));
-    let scale = (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt();
-    (at_m > from_m && to_m > at_m).then(|| (off_m / scale).abs())
-}
-
-/// The upper one of the two for an even number; 0 of nothing.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// Piecewise linear elevation over distance; both count from the first valid sample, against
-/// cancellation.
-struct Profile {
-    origin_m: f64,
-    datum_m: f64,
-    knots: Vec<Knot>,
-}
-
-/// A point of the profile with `area = ∫ h ds` and `moment = ∫ s h ds` from the first knot up to
-/// it.
-#[derive(Clone, Copy)]
-struct Knot {
-    distance_m: f64,
-    elevation_m: f64,
-    area: f64,
-    moment: f64,
-}
-
-impl Profile {
-    /// Through points of distance and elevation, in their order.
-    fn new(points: impl Iterator<Item = (f64, f64)>) -> Self {
-        let mut points = points.peekable();
-        let (origin_m, datum_m) = points.peek().copied().unwrap_or_default();
-        let start = Knot {
-            distance_m: 0.0,
-            elevation_m: 0.0,
-            area: 0.0,
-            moment: 0.0,
-        };
-        let knots = points
-            .scan(start, |last, (distance, elevation)| {
-                *last = last.extended(distance - origin_m, elevation - datum_m);
-                Some(*last)
-            })
-            .collect();
-        Self {
-            origin_m,
-            datum_m,
-            knots,
-        }
-    }
-
-    /// The windows of half a width around distances that never decrease, by their ends; `None` where the profile covers next to
-    /// nothing of one.
-    fn windows<'a>(
-        &'a self,
-        distance_m: &'a [f64],
-        bandwidth_m: f64,
-    ) -> impl Iterator<Item = (f64, Option<(Knot, Knot)>)> + use<'a> {
-        let (mut left_hint, mut right_hint) = (0, 0);
-        distance_m.iter().map(move |&distance_m| {
-            let left = self.at(distance_m - bandwidth_m, &mut left_hint);
-            let right = self.at(distance_m + bandwidth_m, &mut right_hint);
-            let covered = |(left, right): &(Knot, Knot)| {
-                right.distance_m - left.distance_m >= SHORTEST_WINDOW * bandwidth_m
-            };
-            (distance_m, left.zip(right).filter(covered))
-        })
-    }
-
-    /// Gradient at distances that never decrease, 0 where the profile says nothing.
-    fn gradients<'a>(
-        &'a self,
-        distance_m: &'a [f64],
-        bandwidth_m: f64,
-    ) -> impl Iterator<Item = f64> + use<'a> {
-        self.windows(distance_m, bandwidth_m)
-            .map(|(_, window)| window.map_or(0.0, |(left, right)| Self::gradient(&left, &right)))
-    }
-
-    /// Elevation of the best straight lines at distances that never decrease; `None` where the profile says nothing.
-    fn smoothed<'a>(
-        &'a self,
-        distance_m: &'a [f64],
-        bandwidth_m: f64,
-    ) -> impl Iterator<Item = Option<f64>> + use<'a> {
-        self.windows(distance_m, bandwidth_m)
-            .map(|(distance_m, window)| {
-                let (left, right) = window?;
-                let length = right.distance_m - left.distance_m;
-                let centre = 0.5 * (left.distance_m + right.distance_m);
-                let from_centre = distance_m - self.origin_m - centre;
-                let mean_m = (right.area - left.area) / length;
-                let gradient = Self::gradient(&left, &right);
-                Some(self.datum_m + mean_m + gradient * from_centre)
-            })
-    }
-
-    /// The point at a distance, cut to the profile. `hint` is the knot to search from, and moves
-    /// forward only.
-    fn at(&self, distance_m: f64, hint: &mut usize) -> Option<Knot> {
-        let (first, last) = (self.knots.first()?, self.knots.last()?);
-        let distance_m = (distance_m - self.origin_m)
-            .max(first.distance_m)
-            .min(last.distance_m);
-        while self
-            .knots
-            .get(*hint + 1)
-            .is_some_and(|next| next.distance_m <= distance_m)
-        {
-            *hint += 1;
-        }
-        let from = self.knots.get(*hint)?;
-        Some(match self.knots.get(*hint + 1) {
-            None => *from,
-            Some(to) => {
-                let share = (distance_m - from.distance_m) / (to.distance_m - from.distance_m);
-                from.extended(
-                    distance_m,
-                    from.elevation_m + share * (to.elevation_m - from.elevation_m),
-                )
-            }
-        })
-    }
-
-    /// Gradient of the best straight line between two points of the profile.
-    fn gradient(left: &Knot, right: &Knot) -> f64 {
-        let length = right.distance_m - left.distance_m;
-        let centre = 0.5 * (left.distance_m + right.distance_m);
-        let moment = (right.moment - left.moment) - centre * (right.area - left.area);
-        12.0 * moment / (length * length * length)
-    }
-}
-
-impl Knot {
-    /// The point at the end of a straight line from here; the integrals of the line are exact.
-    fn extended(&self, distance_m: f64, elevation_m: f64) -> Self {
-        let length = distance_m - self.distance_m;
-        let mean_distance_m = 0.5 * (self.distance_m + distance_m);
-        let mean_elevation_m = 0.5 * (self.elevation_m + elevation_m);
-        let rise_m = elevation_m - self.elevation_m;
-        Self {
-            distance_m,
-            elevation_m,
-            area: self.area + length * mean_elevation_m,
-            moment: self.moment
-                + length * (mean_distance_m * mean_elevation_m + length * rise_m / 12.0),
-        }
-    }
 }

@@ -157,13 +157,14 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
         inputs::load_once(&args.logs, context)?
     };
     let outcome = match args.task {
-        Task::Trajectory => args.evaluate_trajectory(&inputs, &vehicle, context)?,
+        Task::Trajectory => args.evaluate_trajectory(&inputs, &vehicle, context),
         Task::Phases => {
             let prior = args.prior.inputs(&args.logs.reading, &inputs, context)?;
-            args.evaluate_phases(&inputs, &prior, &vehicle, context)?
-                .and(prior.outcome())
+            args.evaluate_phases(&inputs, &prior, &vehicle, context)
+                .map(|outcome| outcome.and(prior.outcome()))
         }
     };
+    let outcome = outcome.map_err(|error| inputs.explained(error))?;
     Ok(inputs.outcome().and(outcome))
 }
 

@@ -40,6 +40,10 @@ const ALTITUDE_BLOCK_M: f64 = 40.0;
 const NOISY_M: f64 = 2.0;
 const OUTLIER_DEVIATIONS: f64 = 5.0;
 
+/// Time from one fix to the next, s, and the longest from one to the next but one.
+const FIX_S: f64 = 0.999;
+const LONGEST_LINE_S: f64 = 10.0;
+
 /// Standard deviation of a normal distribution over the median of its magnitude.
 const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
@@ -153,7 +157,7 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
         return;
     };
     let scatter_m = scatter_m(&elevation_m);
-    report_noise(checked, elevation_m.len(), scatter_m);
+    report_noise(checked, &elevation_m);
     let spike_m = ALTITUDE_SPIKE_M.max(OUTLIER_DEVIATIONS * scatter_m);
     let block_m = ALTITUDE_BLOCK_M.max(OUTLIER_DEVIATIONS * scatter_m);
     let distance_m = checked.distance_m();
@@ -204,8 +208,31 @@ fn scatter_m(elevation_m: &[f64]) -> f64 {
     DEVIATION_PER_MEDIAN * quantile(&mut steps_m, 0.5).unwrap_or(0.0)
 }
 
-fn report_noise(checked: &mut Checked, samples: usize, scatter_m: f64) {
-    let deviation_m = scatter_m / std::f64::consts::SQRT_2;
+/// Standard deviation of elevations, m, from how far each is off the line through those a second before and after: between two
+/// fixes, elevations scatter less than the fixes.
+fn noise_m(time_s: &[f64], elevation_m: &[f64]) -> f64 {
+    let points = time_s.iter().copied().zip(elevation_m.iter().copied());
+    let points: Vec<(f64, f64)> = points.filter(|(_, h)| h.is_finite()).collect();
+    let off_m = points.iter().filter_map(|&here| {
+        let after = points.partition_point(|point| point.0 < here.0 + FIX_S);
+        let before = points.partition_point(|point| point.0 <= here.0 - FIX_S);
+        off_line_m(points[before.checked_sub(1)?], here, *points.get(after)?)
+    });
+    DEVIATION_PER_MEDIAN * quantile(&mut off_m.collect::<Vec<f64>>(), 0.5).unwrap_or(0.0)
+}
+
+/// How far a point is off the line from one before to one after it, for noise of the same deviation, m; `None` where they are too
+/// far apart to tell it from a hill.
+fn off_line_m(before: (f64, f64), here: (f64, f64), after: (f64, f64)) -> Option<f64> {
+    let span_s = after.0 - before.0;
+    let share = (here.0 - before.0) / span_s;
+    let off_m = here.1 - (before.1 + share * (after.1 - before.1));
+    let scale = (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt();
+    (span_s <= LONGEST_LINE_S).then(|| (off_m / scale).abs())
+}
+
+fn report_noise(checked: &mut Checked, elevation_m: &[f64]) {
+    let deviation_m = noise_m(checked.log.time_s(), elevation_m);
     if deviation_m > NOISY_M {
         let detail = format!(
             "scatters by {deviation_m:.1} m (standard deviation); the slope is taken over longer windows"
@@ -213,7 +240,7 @@ fn report_noise(checked: &mut Checked, samples: usize, scatter_m: f64) {
         checked.report(
             FindingKind::Noise,
             Channel::Elevation,
-            &(0..samples),
+            &(0..elevation_m.len()),
             Action::Kept,
             detail,
         );

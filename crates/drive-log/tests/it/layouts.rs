@@ -32,6 +32,29 @@ fn canonical_in_any_dress() {
 }
 
 #[test]
+fn canonical_in_other_spellings() {
+    is_the_drive("Time [s],Speed (km/h)\n0,36\n0.1,39.6\n");
+    is_the_drive("time-ms;SPEED [m/s]\n0;10\n100;11\n");
+    is_the_drive("timestamp,speed cm/s\n2026-03-29 00:00:00.0,1000\n2026-03-29 00:00:00.1,1100\n");
+    // canonical words come first
+    is_the_drive("time_s,speed_mps,Speed (km/h),Time [ms]\n0,10,1,7\n0.1,11,1,7\n");
+    let log = log("time_s,speed_mps,Grade [%],Battery Voltage [V],soc 1,soc\n0,1,100,320,50,60\n");
+    assert_eq!(
+        log.channel(Channel::Slope).unwrap(),
+        [std::f64::consts::FRAC_PI_4]
+    );
+    assert_eq!(log.channel(Channel::BatteryVoltage).unwrap(), [320.0]);
+    assert!(
+        log.channel(Channel::StateOfCharge).is_none(),
+        "numbers are no units"
+    );
+    let error = read("time_s,Speed [km/h],Speed (mph)\n0,1,1\n")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("are both speed"), "{error}");
+}
+
+#[test]
 fn a_decimal_comma_after_many_whole_numbers() {
     let whole: String = (0..50).map(|i| format!("{i};1\n")).collect();
     let log = log(format!("time_s;speed_mps\n{whole}50,5;1,25\n"));

@@ -12,6 +12,7 @@ mod bad_input;
 mod divided;
 mod heating;
 mod held;
+mod hostile;
 mod layouts;
 mod odd_rows;
 mod parquet_columns;

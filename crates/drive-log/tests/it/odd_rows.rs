@@ -219,6 +219,12 @@ fn marks_between_thousands() {
         elevation("t,v,elevation_m\n0,0.5,\"1,235\"\n1,0.6,999\n"),
         [1235.0, 999.0]
     );
+    // a number with both marks tells the others of its column
+    assert_eq!(
+        elevation("t,v,elevation_m\n0,0.5,\"1,235\"\n1,0.6,\"1,234.5\"\n2,0.6,999.5\n"),
+        [1235.0, 1234.5, 999.5]
+    );
+    assert!(read("t,v,elevation_m\n0,0.5,\"1,235\"\n1,0.6,999.5\n").is_err());
     for text in [
         "t;v;elevation_m\n0;5;1.235\n1;6;999\n",
         "t\tv\televation_m\n0\t5\t1,235\n1\t6\t999\n",

@@ -172,6 +172,10 @@ fn what_cannot_be_told_is_refused_with_the_cure() {
             }),
             &["line 2", "\"00:00\""],
         ),
+        (
+            drive("time,speed_kmh", |i| format!("0 days {}", clock(i, 0))),
+            &["line 2", "is not a time", "HH:MM:SS"],
+        ),
     ] {
         let error = read(&text).unwrap_err().to_string();
         for word in words {
