@@ -33,7 +33,12 @@ impl<'a> Measured<'a> {
             is_told,
             poses: vec![None; robots],
             places: Vec::with_capacity(robots),
-            sights: Sights::new(robots, most_age_s, controller.least_distance_m()),
+            sights: Sights::new(
+                robots,
+                most_age_s,
+                controller.least_distance_m(),
+                most_mps(scenario),
+            ),
         }
     }
 
@@ -99,10 +104,8 @@ fn most_way_m(
     is_told: bool,
     told_m: impl Fn(usize, f64) -> f64 + Copy,
 ) -> impl Fn(usize, f64) -> f64 + Copy {
-    let controller = scenario.controller();
-    let most_mps = controller.body().max_wheel_speed_mps;
-    let error = controller.settings().hardening.wheel_error;
-    let factor = 1.0 + error.max(WHEEL_ERROR);
+    let most_mps = most_mps(scenario);
+    let factor = wheel_factor(scenario);
     move |robot, time_s| {
         if is_told {
             factor * told_m(robot, time_s)
@@ -110,6 +113,16 @@ fn most_way_m(
             most_mps * time_s
         }
     }
+}
+
+fn wheel_factor(scenario: &Scenario) -> f64 {
+    let error = scenario.controller().settings().hardening.wheel_error;
+    1.0 + error.max(WHEEL_ERROR)
+}
+
+/// What wheels can do, error and all, in m/s.
+fn most_mps(scenario: &Scenario) -> f64 {
+    wheel_factor(scenario) * scenario.controller().body().max_wheel_speed_mps
 }
 
 /// A measured pose counts as the truth, with the speeds that the robot was told.

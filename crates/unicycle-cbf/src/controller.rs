@@ -8,16 +8,9 @@ use crate::lateral::{Deviation, Lateral, radial};
 use crate::limits::Limits;
 use crate::path::{Path, PathPoint};
 use crate::pose::State;
-use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
-use crate::rows::RowKind;
+use crate::qp::{self, Status};
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::{Body, Input};
-
-/// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
-const RELAXATION_WEIGHT: f64 = 1e9;
-
-/// By how much more the row of the direction gives way than those of the lane.
-const DIRECTION_SHARE: f64 = 10.0;
 
 /// The part of the objectives that scenarios change over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -264,6 +257,9 @@ impl Controller {
             Status::NotFinite | Status::TooManyRows => {
                 Decision::braking(Brake::NotFinite, Some(*state), Some(terms))
             }
+            Status::Infeasible | Status::IterationLimit if self.is_to_stand(state, &terms) => {
+                Decision::braking(Brake::Infeasible, Some(*state), Some(terms))
+            }
             Status::Infeasible | Status::IterationLimit => self.relaxed(state, terms, &weights),
         }
     }
@@ -277,47 +273,6 @@ impl Controller {
         weights
     }
 
-    /// The second rung: lane rows and that of the direction share a slack. Then the last: braking.
-    fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
-        let none = Row::<6> {
-            a: [0.0; 6],
-            b: 0.0,
-        };
-        let mut soft = [none; MAX_ROWS];
-        let rows = terms.rows.as_slice();
-        for (soft, (row, kind)) in soft.iter_mut().zip(rows.iter().zip(terms.rows.kinds())) {
-            let [a0, a1, a2, a3, a4] = row.a;
-            let slack = match kind {
-                RowKind::Direction => -DIRECTION_SHARE,
-                kind if kind.is_lane() => -1.0,
-                _ => 0.0,
-            };
-            soft.a = [a0, a1, a2, a3, a4, slack];
-            soft.b = row.b;
-        }
-        let [w0, w1, w2, w3, w4] = *weights;
-        let weights = [w0, w1, w2, w3, w4, RELAXATION_WEIGHT];
-        let solution = qp::solve(&weights, &soft[..rows.len()]);
-        let [z0, z1, z2, z3, z4, _] = solution.z;
-        terms.solution = Solution {
-            status: solution.status,
-            z: [z0, z1, z2, z3, z4],
-            multipliers: solution.multipliers,
-            active: solution.active,
-            iterations: solution.iterations,
-        };
-        let reason = match solution.status {
-            Status::Optimal => {
-                let (row, by) = most_violated(&terms);
-                return self.decided(Outcome::Relaxed { row, by }, state, terms);
-            }
-            Status::Infeasible => Brake::Infeasible,
-            Status::IterationLimit => Brake::Solver,
-            Status::NotFinite | Status::TooManyRows => Brake::NotFinite,
-        };
-        Decision::braking(reason, Some(*state), Some(terms))
-    }
-
     /// Wheels that are faster than they may be slow down as fast as they can, and not at once.
     fn clip_mps(&self, state: &State) -> f64 {
         let limit_mps = self.limits.wheel_speed_mps;
@@ -329,7 +284,7 @@ impl Controller {
         limit_mps.max(fastest_mps - self.body.wheel_acceleration_mps2() * self.hold_s)
     }
 
-    fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
+    pub(crate) fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
         let [force_n, torque_nm, ..] = terms.solution.z;
         let input = Input { force_n, torque_nm };
         let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
@@ -350,16 +305,4 @@ impl Controller {
             wheels,
         }
     }
-}
-
-/// The row whose left side exceeds its right side most.
-fn most_violated(terms: &Terms) -> (RowKind, f64) {
-    let z = &terms.solution.z;
-    let excess = |row: &Row| row.a.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() - row.b;
-    let rows = terms.rows.as_slice().iter().zip(terms.rows.kinds());
-    rows.filter(|(_, kind)| kind.is_lane() || **kind == RowKind::Direction)
-        .map(|(row, kind)| (*kind, excess(row)))
-        .fold((RowKind::Lane, 0.0), |most, next| {
-            if next.1 > most.1 { next } else { most }
-        })
 }

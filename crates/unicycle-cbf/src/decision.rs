@@ -33,7 +33,7 @@ pub enum Outcome {
 pub enum Brake {
     /// The scenario asks for it
     Asked,
-    /// Headway and wheel limits contradict each other
+    /// Rows contradict each other
     Infeasible,
     /// No pose was ever seen
     NoPose,

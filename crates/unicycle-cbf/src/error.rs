@@ -26,6 +26,20 @@ pub enum Error {
         /// Largest allowed value
         most: f64,
     },
+    /// A number that is likely to be in another unit
+    #[error("`{name}` is {value}; it must be from {least} to {most}: {help}")]
+    Unit {
+        /// Name of the setting
+        name: &'static str,
+        /// What was given
+        value: f64,
+        /// Least that is believed
+        least: f64,
+        /// Most that is believed
+        most: f64,
+        /// Which unit it is in, and which one it may be
+        help: &'static str,
+    },
     /// Settings that contradict each other
     #[error("{what}")]
     Contradiction {

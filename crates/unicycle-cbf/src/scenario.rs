@@ -121,6 +121,7 @@ impl Scenario {
     pub fn new(mut spec: ScenarioSpec) -> Result<Self, Error> {
         Error::within("rate_hz", spec.rate_hz, 1.0, 1000.0)?;
         Error::within("duration_s", spec.duration_s, 1.0 / spec.rate_hz, 86_400.0)?;
+        spec.check_units()?;
         let path = spec.path.path()?;
         let (body, settings) = (spec.body, spec.controller.clone());
         let controller = Controller::new(path, body, settings, 1.0 / spec.rate_hz)?;
