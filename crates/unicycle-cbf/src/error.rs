@@ -27,16 +27,14 @@ pub enum Error {
         most: f64,
     },
     /// A number that is likely to be in another unit
-    #[error("`{name}` is {value}; it must be from {least} to {most}: {help}")]
+    #[error("`{name}` is {value}; {believed} is believed: {help}")]
     Unit {
         /// Name of the setting
         name: &'static str,
         /// What was given
         value: f64,
-        /// Least that is believed
-        least: f64,
-        /// Most that is believed
-        most: f64,
+        /// The range in which it is believed, in words
+        believed: String,
         /// Which unit it is in, and which one it may be
         help: &'static str,
     },

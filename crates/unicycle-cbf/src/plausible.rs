@@ -64,8 +64,7 @@ fn at_most(name: &'static str, value: f64, most: f64, help: &'static str) -> Res
         return Err(Error::Unit {
             name,
             value,
-            least: -most,
-            most,
+            believed: format!("up to {}", rounded(most)),
             help,
         });
     }
@@ -82,12 +81,17 @@ fn within(
         return Err(Error::Unit {
             name,
             value,
-            least,
-            most,
+            believed: format!("from {} to {}", rounded(least), rounded(most)),
             help,
         });
     }
     Ok(())
+}
+
+/// To three digits.
+fn rounded(value: f64) -> f64 {
+    let scale = 10.0_f64.powi(2 - value.abs().log10().floor() as i32);
+    (value * scale).round() / scale
 }
 
 impl Body {

@@ -119,9 +119,9 @@ impl Scenario {
     ///
     /// The first number out of its range, or robots that cannot start where they shall.
     pub fn new(mut spec: ScenarioSpec) -> Result<Self, Error> {
+        spec.check_units()?;
         Error::within("rate_hz", spec.rate_hz, 1.0, 1000.0)?;
         Error::within("duration_s", spec.duration_s, 1.0 / spec.rate_hz, 86_400.0)?;
-        spec.check_units()?;
         let path = spec.path.path()?;
         let (body, settings) = (spec.body, spec.controller.clone());
         let controller = Controller::new(path, body, settings, 1.0 / spec.rate_hz)?;
