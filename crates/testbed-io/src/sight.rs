@@ -333,8 +333,15 @@ mod tests {
             if again != [true, true] {
                 sights.over(4.0, way_m);
             }
-            let doubts: &[Doubt] = if touch { &[Doubt::Touch([0, 1])] } else { &[] };
-            assert_eq!(sights.doubts(), doubts, "{apart_m} m, {again:?}");
+            // Whoever is seen once after a break is not known to do as it is told.
+            let [Doubt::Touch([0, 1]) | Doubt::TouchAtWill([0, 1])] = sights.doubts() else {
+                assert!(
+                    !touch && sights.doubts().is_empty(),
+                    "{apart_m} m, {again:?}"
+                );
+                continue;
+            };
+            assert!(touch, "{apart_m} m, {again:?}");
         }
     }
 
@@ -365,10 +372,10 @@ mod tests {
     #[test]
     fn robots_that_stand_and_are_carried_before_the_start_are_not_doubted() {
         let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
-        for (stamp_s, x_m) in [(-5.0, 0.05), (-0.1, 0.11)] {
-            sights.saw(0, glimpse(stamp_s, 0.0, 0.1), |_, _| 0.0);
-            sights.saw(1, glimpse(stamp_s, x_m, 0.1), |_, _| 0.0);
-        }
+        sights.saw(0, glimpse(-5.0, 0.0, 0.1), way_m);
+        sights.saw(1, glimpse(-5.0, 0.05, 0.1), way_m);
+        steady(0, 0.0, 0.1, &mut sights);
+        steady(1, 0.11, 0.1, &mut sights);
         sights.over(60.0, |_, _| 0.0);
         assert!(sights.doubts().is_empty());
     }

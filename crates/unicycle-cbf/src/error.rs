@@ -27,7 +27,7 @@ pub enum Error {
         most: f64,
     },
     /// A number that is likely to be in another unit
-    #[error("`{name}` is {value}; {believed} is believed: {help}")]
+    #[error("`{name}` is {value}; it must be {believed}: {help}")]
     Unit {
         /// Name of the setting
         name: &'static str,

@@ -31,7 +31,12 @@ impl Controller {
     /// The second rung: lane rows and that of the direction share a slack, and a robot within its lane wants no speed. Then the last:
     /// braking.
     pub(crate) fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
-        let stays = self.keeps_place(&terms);
+        if self.keeps_place(&terms) {
+            let stand = clf::speed(self.body(), state, 0.0);
+            let rate_1ps = self.settings().convergence_1ps[0];
+            let row = Rows::lyapunov_row(0, &stand, rate_1ps);
+            terms.rows.replace(RowKind::Speed, row);
+        }
         let none = Row::<6> {
             a: [0.0; 6],
             b: 0.0,
@@ -39,11 +44,6 @@ impl Controller {
         let mut soft = [none; MAX_ROWS];
         let rows = terms.rows.as_slice();
         for (soft, (row, kind)) in soft.iter_mut().zip(rows.iter().zip(terms.rows.kinds())) {
-            let row = if stays && *kind == RowKind::Speed {
-                self.row_of_stand(state)
-            } else {
-                *row
-            };
             let [a0, a1, a2, a3, a4] = row.a;
             let slack = match kind {
                 RowKind::Direction => -DIRECTION_SHARE,
@@ -74,11 +74,6 @@ impl Controller {
             Status::NotFinite | Status::TooManyRows => Brake::NotFinite,
         };
         Decision::braking(reason, Some(*state), Some(terms))
-    }
-
-    fn row_of_stand(&self, state: &State) -> Row {
-        let stand = clf::speed(self.body(), state, 0.0);
-        Rows::lyapunov_row(0, &stand, self.settings().convergence_1ps[0])
     }
 }
 

@@ -44,10 +44,7 @@ impl Controller {
             .leader
             .map(|leader| self.headway_rows(rows, own, leader));
         if self.settings().hardening.regards_every_robot() {
-            self.body_rows(rows, own, around);
-            if let Some((leader, h)) = around.leader.zip(headway) {
-                self.row_behind_leader(rows, own, leader, &h);
-            }
+            self.body_rows(rows, own, around, headway.as_ref());
         }
         if let (Some(line_m), Some(frenet)) = (around.stop_line_m, own.frenet) {
             self.give_way_row(rows, own, frenet, line_m);
@@ -133,26 +130,35 @@ impl Controller {
         }
     }
 
-    fn body_rows(&self, rows: &mut Rows, own: &Own, around: Around) {
+    /// Of each robot in reach one for its body, and before it one for the points where one of both follows the other.
+    fn body_rows(&self, rows: &mut Rows, own: &Own, around: Around, headway: Option<&Lie>) {
         let axle = Axle::new(self.body(), own.state);
-        let leader = around.leader.map(|leader| &leader.state);
-        let near = |other: &&State| self.reaches(own.state, other);
-        let others = leader.into_iter().chain(around.others);
-        for other in others.take(MOST_BODIES).filter(near) {
-            self.body_row(rows, own, &axle, other);
+        let leader = around.leader.map(|leader| (&leader.state, headway));
+        let others = around.others.iter().map(|other| (other, None));
+        let bodies = leader.into_iter().chain(others).take(MOST_BODIES);
+        for (other, headway) in bodies.filter(|(other, _)| self.reaches(own.state, other)) {
+            self.body_row(rows, own, &axle, other, headway);
         }
     }
 
-    fn body_row(&self, rows: &mut Rows, own: &Own, axle: &Axle, other: &State) {
-        let time_s = self.body_time_s();
-        let state = own.state;
+    /// `headway` is that to the robot ahead.
+    fn body_row(
+        &self,
+        rows: &mut Rows,
+        own: &Own,
+        axle: &Axle,
+        other: &State,
+        headway: Option<&Lie>,
+    ) {
+        let (time_s, state) = (self.body_time_s(), own.state);
         let margin_m =
             margin::headway_m(self.settings(), &own.moment, state, other.speed_mps, time_s);
         let other_axle = Axle::new(self.body(), other);
         let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
         let mut h = apart(self.least_distance_m());
-        let follower = self.follower(own, other, margin_m);
-        if let Some((gap, behind)) = follower {
+        if let Some(headway) = headway {
+            self.point_row(rows, state, &self.gap_ahead(own, other, headway, margin_m));
+        } else if let Some((gap, behind)) = self.follower(own, other, margin_m) {
             self.point_row(rows, state, &gap);
             if state.speed_mps < 0.0 {
                 let points = apart(self.standstill_m() + self.between_points_m(state, other));
@@ -201,21 +207,17 @@ impl Controller {
         Some((gap, h))
     }
 
-    /// Nor does a robot come nearer to the one that it follows by turning.
-    fn row_behind_leader(&self, rows: &mut Rows, own: &Own, leader: &Leader, h: &Lie) {
-        let (state, leader) = (own.state, &leader.state);
-        let time_s = self.body_time_s();
-        let leader_mps = leader.speed_mps;
-        let margin_m = margin::headway_m(self.settings(), &own.moment, state, leader_mps, time_s);
-        let along = self.settings().headway.distance == Distance::Path;
-        let gap = match own.frenet.filter(|_| along) {
+    /// The gap to the robot ahead.
+    fn gap_ahead(&self, own: &Own, leader: &State, headway: &Lie, margin_m: f64) -> Gap {
+        let settings = &self.settings().headway;
+        let along = settings.distance == Distance::Path;
+        match own.frenet.filter(|_| along) {
             Some(frenet) => Gap {
-                left_m: h.value + self.settings().headway.time_s * state.speed_mps - margin_m,
+                left_m: headway.value + settings.time_s * own.state.speed_mps - margin_m,
                 towards: frenet.tangent(),
             },
-            None => self.chord(state, leader, margin_m),
-        };
-        self.point_row(rows, state, &gap);
+            None => self.chord(own.state, leader, margin_m),
+        }
     }
 
     fn chord(&self, state: &State, other: &State, margin_m: f64) -> Gap {

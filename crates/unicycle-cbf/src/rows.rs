@@ -183,6 +183,15 @@ impl Rows {
         self.push(kind, [force, torque, 0.0, 0.0, 0.0], limit - quantity.drift);
     }
 
+    /// Another row in place of those of a kind.
+    pub(crate) fn replace(&mut self, kind: RowKind, row: Row) {
+        for (own, place) in self.kinds.iter().zip(&mut self.rows).take(self.count) {
+            if *own == kind {
+                *place = row;
+            }
+        }
+    }
+
     /// The rows in order.
     #[must_use]
     pub fn as_slice(&self) -> &[Row] {

@@ -79,17 +79,13 @@ fn outside_the_lane_exponential_rows_still_steer() {
 
 #[test]
 fn contradicting_wheel_limits_brake() {
-    // Backward at full speed, and the robot ahead comes faster.
+    // It turns far faster than it may, and wheels do not slow down to that in a period.
     let controller = hardened();
-    let own = beside(&controller, 0.0, -0.31);
-    let (sin, cos) = own.heading_rad.sin_cos();
-    let at = Leader::known(State {
-        x_m: own.x_m + 0.01 * cos,
-        y_m: own.y_m + 0.01 * sin,
-        speed_mps: -5.0,
-        ..own
-    });
-    let decision = controller.decide(&own, Some(&at), &controller.objectives(0.2), 0.0);
+    let own = State {
+        turn_rate_rad_s: 20.0,
+        ..beside(&controller, 0.0, 0.3)
+    };
+    let decision = controller.decide(&own, None, &controller.objectives(0.2), 0.0);
     assert_eq!(
         decision.outcome,
         Outcome::Braking {

@@ -248,7 +248,7 @@ fn placed(
         };
         at_m += match length_m {
             Some(length_m) if around => length_m / count,
-            _ if crowded => least_m + draw.between(0.005, 0.04),
+            _ if crowded => least_m + draw.between(0.02, 0.05),
             _ => gap_m * draw.between(1.1, 1.5),
         };
     }
