@@ -58,7 +58,7 @@ impl ScenarioSpec {
     }
 }
 
-/// Where a number is beyond what is believed; what is no number is refused elsewhere.
+/// Where a number is beyond what is believed; what is no number or not positive is refused elsewhere.
 fn at_most(name: &'static str, value: f64, most: f64, help: &'static str) -> Result<(), Error> {
     if value.abs() > most {
         return Err(Error::Unit {
@@ -77,7 +77,7 @@ fn within(
     [least, most]: [f64; 2],
     help: &'static str,
 ) -> Result<(), Error> {
-    if value < least || value > most {
+    if value > 0.0 && !(least..=most).contains(&value) {
         return Err(Error::Unit {
             name,
             value,
