@@ -372,11 +372,11 @@ mod tests {
     #[test]
     fn robots_that_stand_and_are_carried_before_the_start_are_not_doubted() {
         let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
-        sights.saw(0, glimpse(-5.0, 0.0, 0.1), way_m);
-        sights.saw(1, glimpse(-5.0, 0.05, 0.1), way_m);
+        sights.saw(0, glimpse(-5.0, 0.0, 0.1), |_, _| 0.0);
+        sights.saw(1, glimpse(-5.0, 0.05, 0.1), |_, _| 0.0);
         for stamp_s in [-1.0, -0.8, -0.6, -0.4, -0.2, -0.1] {
-            sights.saw(0, glimpse(stamp_s, 0.0, 0.1), way_m);
-            sights.saw(1, glimpse(stamp_s, 0.11, 0.1), way_m);
+            sights.saw(0, glimpse(stamp_s, 0.0, 0.1), |_, _| 0.0);
+            sights.saw(1, glimpse(stamp_s, 0.11, 0.1), |_, _| 0.0);
         }
         sights.over(60.0, |_, _| 0.0);
         assert!(sights.doubts().is_empty());

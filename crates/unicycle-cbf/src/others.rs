@@ -115,7 +115,7 @@ impl Controller {
     }
 
     /// The force after a period of which the robot stands.
-    pub(crate) fn standing_force_n(&self, state: &State) -> f64 {
+    fn standing_force_n(&self, state: &State) -> f64 {
         let drift_mps2 = self.body().acceleration(state.turn_rate_rad_s).drift;
         -self.body().mass_kg * (drift_mps2 + state.speed_mps / self.hold_s())
     }

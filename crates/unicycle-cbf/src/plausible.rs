@@ -146,7 +146,7 @@ impl Body {
             masses_kg,
             "for a body of this `radius_m`; masses are in kg: were g meant?",
         )?;
-        let hoop_kgm2 = mass_kg * radius_m * radius_m;
+        let hoop_kgm2 = mass_kg.max(masses_kg[0]) * radius_m * radius_m;
         within(
             "body.inertia_kgm2",
             self.inertia_kgm2,

@@ -34,8 +34,6 @@ pub enum RowKind {
     LaneLeft,
     /// Direction of travel
     Direction,
-    /// How fast it may go backwards at its angle to the path
-    Backwards,
     /// Left wheel forward
     LeftForward,
     /// Left wheel backward
@@ -78,7 +76,6 @@ impl RowKind {
             Self::LaneRight => "lane-right",
             Self::LaneLeft => "lane-left",
             Self::Direction => "direction",
-            Self::Backwards => "backwards",
             Self::LeftForward => "left-wheel-forward",
             Self::LeftBackward => "left-wheel-backward",
             Self::RightForward => "right-wheel-forward",

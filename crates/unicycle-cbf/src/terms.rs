@@ -62,16 +62,6 @@ impl Controller {
         if let Some(h) = &direction {
             rows.barrier(RowKind::Direction, h, DIRECTION_RATES_1PS[1], 0.0);
         }
-        if let Some(h) = self.backwards(state, frenet.as_ref()) {
-            let standing_n = self.standing_force_n(state);
-            rows.barrier_up_to(
-                RowKind::Backwards,
-                &h,
-                DIRECTION_RATES_1PS[1],
-                0.0,
-                standing_n,
-            );
-        }
         if settings.hardening.wheel_rows {
             self.wheel_rows(&mut rows, state);
         }
@@ -102,26 +92,6 @@ impl Controller {
         }
         let course = frenet?.course(self.body(), state);
         Some(cbf::direction(&course, angle_rad, DIRECTION_RATES_1PS[0]))
-    }
-
-    /// `h = cos θ − cos θ_b + T v`: backwards the faster the smaller the angle to the path is, at full speed within half the largest
-    /// one. None where the robot cannot go backwards after a period.
-    fn backwards(&self, state: &State, frenet: Option<&Frenet>) -> Option<Lie> {
-        let course_rad = self.settings().hardening.max_course_angle_rad?;
-        let change_mps = self.body().wheel_acceleration_mps2() * self.hold_s();
-        if state.speed_mps > change_mps {
-            return None;
-        }
-        let course = frenet?.course(self.body(), state);
-        let most_rad = course_rad.min(BACKWARDS_ANGLE_RAD);
-        let by_speed = ((0.5 * most_rad).cos() - most_rad.cos()) / self.limits().wheel_speed_mps;
-        let acceleration = self.body().acceleration(state.turn_rate_rad_s);
-        let (sin, cos) = course.angle_rad.sin_cos();
-        Some(Lie {
-            value: cos - most_rad.cos() + by_speed * state.speed_mps,
-            lf: by_speed * acceleration.drift - sin * course.rate_rad_s,
-            lg: [by_speed * acceleration.control[0], 0.0],
-        })
     }
 
     pub(crate) fn moment(&self, age_s: f64) -> Moment {
