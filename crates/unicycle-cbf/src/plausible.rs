@@ -138,6 +138,9 @@ impl Body {
 
     fn check_mass(&self) -> Result<(), Error> {
         let (mass_kg, radius_m) = (self.mass_kg, self.radius_m());
+        if mass_kg.is_nan() || mass_kg <= 0.0 {
+            return Ok(());
+        }
         let cube_m3 = (2.0 * radius_m).powi(3);
         let masses_kg = DENSITY_KGPM3.map(|density_kgpm3| density_kgpm3 * cube_m3);
         within(
@@ -146,7 +149,7 @@ impl Body {
             masses_kg,
             "for a body of this `radius_m`; masses are in kg: were g meant?",
         )?;
-        let hoop_kgm2 = mass_kg.max(masses_kg[0]) * radius_m * radius_m;
+        let hoop_kgm2 = mass_kg * radius_m * radius_m;
         within(
             "body.inertia_kgm2",
             self.inertia_kgm2,
