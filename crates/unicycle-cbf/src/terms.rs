@@ -12,6 +12,7 @@ use crate::pose::State;
 use crate::qp::Solution;
 use crate::rows::{RowKind, Rows};
 use crate::settings::{Distance, Literal};
+use crate::track::Located;
 use crate::unicycle::Affine;
 
 /// Rates of the rows for the direction of travel, in 1/s.
@@ -36,13 +37,13 @@ impl Controller {
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
         let frenet = self
-            .needs_frenet()
+            .needs_foot()
             .then(|| around.foot.unwrap_or_else(|| self.foot(state)))
             .map(|foot| Frenet::new(foot, self.body(), state));
         let tracked = match (self.path(), &frenet) {
             (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
             (_, Some(frenet)) => frenet.lateral(),
-            (_, None) => self.frenet(state).lateral(),
+            (_, None) => self.frenet(&(*state).into()).lateral(),
         };
         let lateral = match (&frenet, settings.lane.deviation) {
             (Some(frenet), Deviation::Frenet) => frenet.lateral(),
@@ -58,16 +59,16 @@ impl Controller {
         let headway = leader
             .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
         if settings.hardening.regards_every_robot() {
-            let leader = leader.map(|leader| leader.state);
+            let leader = leader.map(Leader::located);
             let axle = Axle::new(self.body(), state);
-            let near = |other: &&State| self.reaches(state, other);
+            let near = |other: &&Located| self.reaches(state, &other.state);
             for other in leader
                 .iter()
                 .chain(around.others)
                 .take(MOST_BODIES)
                 .filter(near)
             {
-                self.body_row(&mut rows, [state, other], &axle, frenet.as_ref(), &moment);
+                self.body_row(&mut rows, state, other, &axle, frenet.as_ref(), &moment);
             }
         }
         if let (Some(line_m), Some(frenet)) = (around.stop_line_m, &frenet) {
@@ -93,7 +94,9 @@ impl Controller {
         }
     }
 
-    fn needs_frenet(&self) -> bool {
+    /// Whether decisions need the foot on the path.
+    #[must_use]
+    pub fn needs_foot(&self) -> bool {
         let settings = self.settings();
         !matches!(self.path(), Path::Polar(_))
             || settings.lane.deviation == Deviation::Frenet
@@ -131,10 +134,16 @@ impl Controller {
         rows
     }
 
-    pub(crate) fn headway(&self, state: &State, leader: &State, frenet: Option<&Frenet>) -> Lie {
+    pub(crate) fn headway(
+        &self,
+        robot: &Located,
+        leader: &Located,
+        frenet: Option<&Frenet>,
+    ) -> Lie {
+        let state = &robot.state;
         let settings = &self.settings().headway;
         if settings.distance == Distance::Path {
-            let own = frenet.map_or_else(|| self.frenet(state).progress(), Frenet::progress);
+            let own = frenet.map_or_else(|| self.frenet(robot).progress(), Frenet::progress);
             let ahead = self.frenet(leader).progress();
             let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
             let opening = ahead.rate_mps - own.rate_mps;
@@ -151,9 +160,9 @@ impl Controller {
         let velocity = if self.settings().is_literal(Literal::IgnoredLeader) {
             [0.0; 2]
         } else {
-            leader.velocity_mps(self.body().offset_m)
+            leader.state.velocity_mps(self.body().offset_m)
         };
-        let place = [leader.x_m, leader.y_m];
+        let place = [leader.state.x_m, leader.state.y_m];
         let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
         cbf::headway(self.body(), state, place, velocity, time_s, standstill_m)
     }
@@ -170,7 +179,8 @@ impl Controller {
         let rate_1ps = settings.headway.rate_1ps;
         let (leader_mps, time_s) = (leader.state.speed_mps, settings.headway.time_s);
         let margin_m = margin::headway_m(settings, moment, state, leader_mps, time_s);
-        let h = self.headway(state, &leader.state, frenet);
+        let robot = Located::from(*state);
+        let h = self.headway(&robot, &leader.located(), frenet);
         if settings.is_literal(Literal::BarrierSign) {
             rows.barrier_as_printed(RowKind::Headway, &h, rate_1ps, margin_m);
         } else {
@@ -185,7 +195,11 @@ impl Controller {
                 turn_rate_rad_s: 0.0,
                 ..leader.state
             };
-            let stopped = self.headway(state, &stopped, frenet);
+            let stopped = Located {
+                state: stopped,
+                ..leader.located()
+            };
+            let stopped = self.headway(&robot, &stopped, frenet);
             rows.barrier(RowKind::HeadwayStopped, &stopped, rate_1ps, margin_m);
         }
         h
@@ -204,15 +218,16 @@ impl Controller {
     fn body_row(
         &self,
         rows: &mut Rows,
-        [state, other]: [&State; 2],
+        state: &State,
+        other: &Located,
         axle: &Axle,
         frenet: Option<&Frenet>,
         moment: &Moment,
     ) {
         let settings = self.settings();
         let time_s = self.body_time_s();
-        let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
-        let other_axle = Axle::new(self.body(), other);
+        let margin_m = margin::headway_m(settings, moment, state, other.state.speed_mps, time_s);
+        let other_axle = Axle::new(self.body(), &other.state);
         let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
         let mut h = apart(self.least_distance_m());
         // Only what is near is worth a search of its place along the path.
@@ -220,7 +235,7 @@ impl Controller {
         let backwards = frenet.filter(|_| is_near && state.speed_mps < 0.0);
         let behind = backwards.and_then(|frenet| self.behind(state, frenet, other, time_s));
         if let Some(behind) = behind {
-            let points = apart(self.standstill_m() + self.between_points_m(state, other));
+            let points = apart(self.standstill_m() + self.between_points_m(state, &other.state));
             h = if behind.value < points.value {
                 behind
             } else {
@@ -232,7 +247,7 @@ impl Controller {
 
     /// `h = D − D0 + T v` to a robot behind, along the path: whoever goes backwards leaves it its headway. Where that one measures a
     /// chord it is never the smaller one.
-    fn behind(&self, state: &State, frenet: &Frenet, other: &State, time_s: f64) -> Option<Lie> {
+    fn behind(&self, state: &State, frenet: &Frenet, other: &Located, time_s: f64) -> Option<Lie> {
         let (own, behind) = (frenet.progress(), self.frenet(other).progress());
         let distance_m = self.path().distance_along_m(behind.s_m, own.s_m);
         if distance_m <= 0.0 || !self.follows_along(behind.s_m, own.s_m) {
