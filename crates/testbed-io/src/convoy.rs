@@ -227,12 +227,12 @@ impl<'a> Convoy<'a> {
         }
     }
 
-    /// The nearest robot ahead along the path, on a loop by less than half a lap.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let (_, leader) = self.ahead(robot)?;
-        let (own_m, leader_m) = (self.along_m_of(robot)?, self.along_m_of(leader)?);
-        let controller = self.scenario.controller();
-        controller.follows_along(own_m, leader_m).then_some(leader)
+        let located = |seen: &Option<Place>| Some(seen.as_ref()?.sighting.leader.located());
+        let own = located(&self.sight[robot])?;
+        let others = self.sight.iter().map(located).enumerate();
+        let others = others.filter(|(other, _)| *other != robot);
+        self.scenario.controller().leader(&own, others)
     }
 
     /// Where a robot was seen along the path, in m.

@@ -38,7 +38,7 @@ pub(crate) fn safeties(
     let robots: Vec<Option<Located>> = robots
         .map(|(robot, state)| Some(tracks.located(controller, robot, (*state)?)))
         .collect();
-    let safety = |robot: usize| {
+    let mut safety = |robot: usize| {
         let own = robots[robot]?;
         let ahead = robot.checked_sub(1).and_then(|ahead| robots[ahead]);
         if let Some(ahead) = &ahead {
@@ -46,7 +46,7 @@ pub(crate) fn safeties(
         }
         Some(tracks.safety(controller, robot, &own, ahead.as_ref()))
     };
-    (0..states.len()).map(safety).collect()
+    (0..states.len()).map(&mut safety).collect()
 }
 
 /// Watches the distances between all robots.

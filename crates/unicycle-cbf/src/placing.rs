@@ -112,9 +112,42 @@ impl Controller {
         (0.0..most_m).contains(&self.path().distance_along_m(s_m, ahead_m))
     }
 
+    /// How far another robot is ahead along the path, in m, if it is: on a loop by less than half a lap.
+    pub(crate) fn ahead_m(&self, own: &Located, other: &Located) -> Option<f64> {
+        let ahead_m = self.path().distance_along_m(own.near_m?, other.near_m?);
+        (ahead_m > 0.0 && self.follows_along(own.near_m?, other.near_m?)).then_some(ahead_m)
+    }
+
+    /// Whom of some others a robot follows: of those ahead along the path, on a loop by less than half a lap, the next, or one beside that
+    /// in the lane to which the chord is shorter where headway is a chord.
+    pub fn leader(
+        &self,
+        own: &Located,
+        others: impl Iterator<Item = (usize, Option<Located>)> + Clone,
+    ) -> Option<usize> {
+        let ahead = others.filter_map(|(robot, other)| {
+            let other = other?;
+            let ahead_m = self.ahead_m(own, &other)?;
+            Some((ahead_m, square_m2(own, &other), robot))
+        });
+        let next = ahead.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if self.settings.headway.distance == Distance::Path {
+            return Some(next.2);
+        }
+        let most_m = next.0 + 2.0 * self.settings.lane.half_width_m;
+        let beside = ahead.filter(|other| other.0 <= most_m);
+        beside
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|other| other.2)
+    }
+
     /// What has to lie between the middles of the axles of two robots, in m: both radii and the clearance.
     #[must_use]
     pub fn least_distance_m(&self) -> f64 {
         2.0 * self.body().radius_m() + self.settings.headway.clearance_m
     }
+}
+
+fn square_m2(own: &Located, other: &Located) -> f64 {
+    (own.state.x_m - other.state.x_m).powi(2) + (own.state.y_m - other.state.y_m).powi(2)
 }

@@ -38,9 +38,8 @@ pub struct Tracks(Vec<Track>);
 /// One of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Track {
-    near_m: f64,
-    /// Until it is seen it is where it starts
-    is_seen: bool,
+    start_m: f64,
+    last: Option<Located>,
     has_headway: bool,
 }
 
@@ -50,8 +49,8 @@ impl Tracks {
     pub fn new(scenario: &Scenario) -> Self {
         let robots = 0..scenario.starts().len();
         let starting = |robot| Track {
-            near_m: scenario.start_m(robot),
-            is_seen: false,
+            start_m: scenario.start_m(robot),
+            last: None,
             has_headway: true,
         };
         Self(robots.map(starting).collect())
@@ -60,13 +59,18 @@ impl Tracks {
     /// The foot of a robot that is in this state now.
     pub fn foot(&mut self, controller: &Controller, robot: usize, state: &State) -> PathPoint {
         let track = &mut self.0[robot];
-        let mut foot = controller.foot_near(state, Some(track.near_m));
-        if !track.is_seen {
-            foot = controller.more_along(state, foot, controller.foot(state));
-        }
+        let foot = match track.last {
+            Some(last) => controller.foot_near(state, last.near_m),
+            None => {
+                let planned = controller.foot_near(state, Some(track.start_m));
+                controller.more_along(state, planned, controller.foot(state))
+            }
+        };
         if foot.s_m.is_finite() {
-            track.near_m = foot.s_m;
-            track.is_seen = true;
+            track.last = Some(Located {
+                state: *state,
+                near_m: Some(foot.s_m),
+            });
         }
         foot
     }
@@ -80,12 +84,12 @@ impl Tracks {
     /// The same where it was last.
     #[must_use]
     pub fn last(&self, robot: usize, state: State) -> Located {
-        let near_m = Some(self.0[robot].near_m);
+        let near_m = self.0[robot].last.and_then(|last| last.near_m);
         Located { state, near_m }
     }
 
-    /// Looks whether a robot follows the one before it in the list and keeps a headway to it. Where every robot is regarded, that one
-    /// is the next ahead along the path. If it has just become that, from beside or behind, the headway counts as soon as there is some.
+    /// Looks whether a robot follows the one before it in the list and keeps a headway to it. Where every robot is regarded and it has
+    /// just begun to follow that one, which was beside or behind it, the headway counts as soon as there is some.
     pub fn follow(
         &mut self,
         controller: &Controller,
@@ -93,27 +97,31 @@ impl Tracks {
         own: &Located,
         ahead: &Located,
     ) {
-        let follows = controller.follows(own, ahead) && self.is_next(controller, robot);
         let has_some = || {
             let h_m = controller.safety_of(own, Some(ahead)).headway_m;
             h_m.is_some_and(|h_m| h_m >= 0.0)
         };
+        let follows = self.follows_named(controller, robot, own, ahead);
         self.0[robot].has_headway = follows && (self.0[robot].has_headway || has_some());
     }
 
-    /// Whether nobody is between a robot and the one before it in the list.
-    fn is_next(&self, controller: &Controller, robot: usize) -> bool {
+    fn follows_named(
+        &self,
+        controller: &Controller,
+        robot: usize,
+        own: &Located,
+        ahead: &Located,
+    ) -> bool {
         if !controller.settings().hardening.regards_every_robot() {
             return true;
         }
-        let own_m = self.0[robot].near_m;
-        let ahead_m = |track: &Track| controller.path().distance_along_m(own_m, track.near_m);
-        let gap_m = robot.checked_sub(1).map(|ahead| ahead_m(&self.0[ahead]));
-        let between = |track: &Track| {
-            let ahead_m = ahead_m(track);
-            track.is_seen && ahead_m > 0.0 && gap_m.is_some_and(|gap_m| ahead_m < gap_m)
-        };
-        !self.0.iter().any(between)
+        let others = self.0.iter().map(|track| track.last).enumerate();
+        let others = others.filter(|(other, _)| *other != robot);
+        let leader = controller.leader(own, others);
+        let ahead_m = controller.ahead_m(own, ahead);
+        // Beside one another neither follows the other.
+        let is_ahead = ahead_m.is_some_and(|ahead_m| ahead_m >= controller.body().radius_m());
+        is_ahead && leader == robot.checked_sub(1)
     }
 
     /// What has to stay at or above zero, without margins, behind the robot before it in the list where it follows that one.
