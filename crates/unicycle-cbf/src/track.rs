@@ -99,7 +99,8 @@ impl Tracks {
     ) {
         let has_some = || {
             let h_m = controller.safety_of(own, Some(ahead)).headway_m;
-            h_m.is_some_and(|h_m| h_m >= 0.0)
+            let backwards_m = controller.settings().headway.time_s * own.state.speed_mps.min(0.0);
+            h_m.is_some_and(|h_m| h_m + backwards_m >= 0.0)
         };
         let follows = self.follows_named(controller, robot, own, ahead);
         self.0[robot].has_headway = follows && (self.0[robot].has_headway || has_some());
