@@ -15,6 +15,9 @@ const OFF_NORMAL_M: f64 = 1e-3;
 /// A robot that is farther from its place than this many half widths of the lane was carried elsewhere.
 const MOST_HALF_WIDTHS: f64 = 2.0;
 
+/// Slower robots stand, in m/s.
+const STANDING_MPS: f64 = 5e-3;
+
 /// A robot, and about where it is along the path as far as that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located {
@@ -125,7 +128,8 @@ impl Tracks {
         is_ahead && leader == robot.checked_sub(1)
     }
 
-    /// What has to stay at or above zero, without margins, behind the robot before it in the list where it follows that one.
+    /// What has to stay at or above zero, without margins, behind the robot before it in the list where it follows that one. A robot
+    /// that stands or backs off does not lose its headway by itself: there the distance of bodies decides.
     #[must_use]
     pub fn safety(
         &self,
@@ -134,7 +138,12 @@ impl Tracks {
         own: &Located,
         ahead: Option<&Located>,
     ) -> Safety {
-        controller.safety_of(own, ahead.filter(|_| self.0[robot].has_headway))
+        let mut safety = controller.safety_of(own, ahead.filter(|_| self.0[robot].has_headway));
+        let every_robot = controller.settings().hardening.regards_every_robot();
+        if every_robot && own.state.speed_mps < STANDING_MPS {
+            safety.headway_m = safety.headway_m.filter(|h_m| *h_m >= 0.0);
+        }
+        safety
     }
 }
 
