@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use unicycle_cbf::{
-    Ahead, Brake, Controller, Input, Leader, Outcome, PathSpec, Pilot, Pose, Predictor, Preset,
-    RobotSpec, RowKind, Scenario, Speeds, StampedPose, State, Testbed, Tracks,
+    Ahead, Brake, Controller, Input, Leader, Outcome, Pilot, Pose, Predictor, Preset, RowKind,
+    Speeds, StampedPose, State, Testbed,
 };
 
 use crate::states::{controller, state};
@@ -333,80 +333,5 @@ fn a_robot_more_than_half_a_lap_ahead_is_not_followed() {
     for (ahead, is_followed) in [(0.2, true), (0.45, true), (0.55, false), (0.97, false)] {
         let follows = controller.follows(&at(0.0).into(), &at(ahead).into());
         assert_eq!(follows, is_followed, "{ahead}");
-    }
-}
-
-/// A hardened controller on a figure eight whose branches cross at 53°, lanes of ±250 mm.
-fn on_eight() -> Scenario {
-    let mut spec = Testbed::Khepera
-        .scenario("on-off", Preset::Hardened)
-        .unwrap();
-    let point = |at: usize| {
-        let turn = std::f64::consts::TAU * at as f64 / 80.0;
-        [1.2 * turn.sin(), 1.2 * (2.0 * turn).sin()]
-    };
-    spec.path = PathSpec::Closed {
-        points_m: (0..80).map(point).collect(),
-    };
-    spec.controller.lane.half_width_m = 0.25;
-    spec.robots = vec![RobotSpec::steady(0.4, 0.1)];
-    Scenario::new(spec).unwrap()
-}
-
-/// On a path, so far to its right, in its direction.
-fn along(controller: &Controller, s_m: f64, right_m: f64) -> State {
-    let point = controller.path().at(s_m);
-    let [nx, ny] = point.normal();
-    State {
-        x_m: point.x_m + right_m * nx,
-        y_m: point.y_m + right_m * ny,
-        heading_rad: point.heading_rad(),
-        ..State::ORIGIN
-    }
-}
-
-#[test]
-fn a_foot_stays_on_its_branch_also_where_the_other_is_nearer() {
-    let scenario = on_eight();
-    let controller = scenario.controller();
-    let length_m = controller.path().length_m().unwrap();
-    for right_m in [-0.09, 0.0, 0.09] {
-        let mut tracks = Tracks::new(&scenario);
-        for step in 0..2000 {
-            let s_m = (0.4 + 2e-4 * f64::from(step)) * length_m;
-            let foot = tracks.foot(controller, 0, &along(controller, s_m, right_m));
-            let off_m = controller.path().distance_along_m(s_m, foot.s_m + 0.5);
-            assert!((off_m - 0.5).abs() < 1e-6, "{right_m} m, step {step}");
-        }
-    }
-}
-
-#[test]
-fn who_turns_onto_the_other_branch_has_left_its_lane() {
-    let scenario = on_eight();
-    let controller = scenario.controller();
-    let length_m = controller.path().length_m().unwrap();
-    let mut tracks = Tracks::new(&scenario);
-    let mut least_m = f64::INFINITY;
-    // Up to the crossing after half a lap, and on along the branch that crosses there, which begins the lap.
-    for share in [
-        0.4, 0.42, 0.44, 0.46, 0.48, 0.5, 1.01, 1.03, 1.05, 1.07, 1.09,
-    ] {
-        let state = along(controller, share * length_m, 0.0);
-        let own = tracks.located(controller, 0, state);
-        least_m = least_m.min(tracks.safety(controller, 0, &own, None).lane);
-    }
-    assert!(least_m < 0.0, "{least_m} m");
-}
-
-#[test]
-fn a_robot_that_was_carried_elsewhere_is_found_there() {
-    let scenario = on_eight();
-    let controller = scenario.controller();
-    let length_m = controller.path().length_m().unwrap();
-    let mut tracks = Tracks::new(&scenario);
-    for share in [0.4, 0.45, 0.8, 0.2, 0.99] {
-        let foot = tracks.foot(controller, 0, &along(controller, share * length_m, 0.05));
-        assert!((foot.s_m - share * length_m).abs() < 1e-6, "{share}");
     }
 }

@@ -15,3 +15,4 @@ mod qp;
 mod reference;
 mod scenarios;
 mod states;
+mod tracks;

@@ -1,6 +1,6 @@
 //! Robots beside each other in wide lanes: whoever passes with room to spare is not too close.
 
-use testbed_io::{Disturbances, Verdict};
+use testbed_io::Disturbances;
 use unicycle_cbf::{PathSpec, RobotSpec, ScenarioSpec, Testbed, Tracker};
 
 use super::{Driven, driven, driven_with, hardened};
@@ -46,12 +46,10 @@ fn overtaking_with_room_to_spare_is_safe() {
 }
 
 #[test]
-fn being_overtaken_with_room_to_spare_is_safe() {
-    let spec = straight(0.8, &[[0.01, 0.2, 0.25], [0.0, -0.2, 0.1]], NO_TRACKER);
-    let mut spec = spec;
-    // The one behind begins to pass, is passed again, and has then less than its headway.
-    spec.robots[0].desired_speed_mps = vec![[0.0, 0.0], [8.0, 0.3]];
-    spec.robots[1].desired_speed_mps = vec![[0.0, 0.2]];
+fn being_passed_again_with_room_to_spare_is_safe() {
+    let mut spec = straight(0.8, &[[0.01, 0.2, 0.0], [0.0, -0.2, 0.15]], NO_TRACKER);
+    spec.controller.headway.time_s = 0.6;
+    spec.robots[0].desired_speed_mps.push([8.0, 0.25]);
     let driven = driven(spec);
     driven.assert_safe(0.2, "passed again");
     assert!(is_ahead(&driven, 0, 1));
@@ -71,17 +69,4 @@ fn six_beside_each_other_are_safe_as_long_as_no_two_touch() {
         let driven = driven_with(spec.clone(), Disturbances::HARD, seed);
         driven.assert_safe(0.01, &format!("seed {seed}"));
     }
-}
-
-#[test]
-fn who_comes_too_near_from_behind_is_still_unsafe() {
-    let mut spec = straight(0.15, &[[0.6, 0.0, 0.05], [0.0, 0.0, 0.3]], Tracker::On);
-    // Without rows of its own for it, the one behind runs up.
-    spec.controller.headway.rate_1ps = 50.0;
-    spec.controller.hardening.sampling_margin = false;
-    spec.controller.hardening.cautious_leader = false;
-    spec.controller.headway.margin_m = 0.0;
-    spec.robots[0].stops_s = vec![[5.0, 40.0]];
-    let driven = driven_with(spec, Disturbances::HARD, 1);
-    assert_eq!(driven.summary.verdict, Verdict::Unsafe);
 }
