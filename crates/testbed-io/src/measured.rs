@@ -55,7 +55,6 @@ impl<'a> Measured<'a> {
         self.poses[robot] = Some(seen);
         self.follow(robot, seen);
         let Truth { safety, .. } = self.truth(robot, Speeds::ZERO)?;
-        // Before the start robots may be carried about.
         if seen.stamp_s >= 0.0 {
             summary.add_measured(seen.stamp_s, &safety);
             self.judge_distances(seen.stamp_s, summary);
@@ -102,6 +101,10 @@ impl<'a> Measured<'a> {
     }
 
     fn follow(&mut self, robot: usize, seen: StampedPose) {
+        // Before the start robots may be carried about.
+        if seen.stamp_s < 0.0 {
+            self.tracks.forget(robot);
+        }
         let controller = self.scenario.controller();
         let state = seen.pose.state(controller.body().offset_m, Speeds::ZERO);
         let own = self.tracks.located(controller, robot, state);

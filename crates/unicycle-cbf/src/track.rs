@@ -59,6 +59,13 @@ impl Tracks {
         Self(robots.map(starting).collect())
     }
 
+    /// Nothing is known any more of where a robot was.
+    pub fn forget(&mut self, robot: usize) {
+        let track = &mut self.0[robot];
+        track.last = None;
+        track.has_headway = true;
+    }
+
     /// The foot of a robot that is in this state now.
     pub fn foot(&mut self, controller: &Controller, robot: usize, state: &State) -> PathPoint {
         let track = &mut self.0[robot];

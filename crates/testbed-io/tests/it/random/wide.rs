@@ -32,10 +32,14 @@ pub(super) fn drawn(seed: u64) -> Drawn {
 
 /// On a path that crosses itself, all around it.
 fn crossing(draw: &mut Draw, spec: &mut ScenarioSpec, most_mps: f64) {
-    spec.path = if draw.chance(0.7) {
-        eight(draw.between(PI / 6.0, PI / 2.0), draw.between(0.7, 2.5))
-    } else {
-        loop_in_loop(draw.between(0.4, 1.0), draw.between(1.2, 1.7))
+    spec.path = match draw.whole(0, 5) {
+        0 => loop_in_loop(draw.between(0.4, 1.0), draw.between(1.2, 1.7)),
+        1 => laps(
+            draw.whole(2, 3),
+            draw.between(0.7, 1.5),
+            draw.between(0.1, 0.4),
+        ),
+        _ => eight(draw.between(PI / 6.0, PI / 2.0), draw.between(0.7, 2.5)),
     };
     let robots = draw.whole(1, 3);
     let first = draw.between(0.0, 1.0);
@@ -67,6 +71,18 @@ fn loop_in_loop(radius_m: f64, share: f64) -> PathSpec {
     };
     PathSpec::Closed {
         points_m: (0..120).map(point).collect(),
+    }
+}
+
+/// Laps about the origin, which cross each other at small angles.
+fn laps(laps: usize, radius_m: f64, change: f64) -> PathSpec {
+    let point = |at: usize| {
+        let turn = TAU * at as f64 / 80.0;
+        let r = radius_m * (1.0 + change * (turn / laps as f64).cos());
+        [r * turn.cos(), r * turn.sin()]
+    };
+    PathSpec::Closed {
+        points_m: (0..80 * laps).map(point).collect(),
     }
 }
 
