@@ -84,30 +84,23 @@ impl Samples {
         let coarse = self.step_m > 1.01 * SPACING * near_m;
         let near_m = if coarse { near_m + self.step_m } else { near_m };
         let (count, apart) = (self.places.len(), (apart_m / self.step_m).ceil() as usize);
-        let cell = |place: [f64; 2]| place.map(|metres| (metres / near_m).floor() as i64);
+        let ways = apart..count.saturating_sub(apart);
+        let is_hit = |pair: &Hit| {
+            let [a, b] = *pair;
+            ways.contains(&((b - a) as usize)) && self.square_m2(*pair) < near_m * near_m
+        };
         let mut cells = HashMap::<[i64; 2], Vec<u32>>::new();
         let mut hits = Vec::new();
-        for (sample, place) in self.places.iter().enumerate() {
-            let [column, row] = cell(*place);
-            for (dx, dy) in NEIGHBOURS {
-                let earlier = cells.get(&[column + dx, row + dy]);
-                let pairs = earlier
-                    .into_iter()
-                    .flatten()
-                    .map(|other| [*other, sample as u32]);
-                hits.extend(
-                    pairs
-                        .filter(|[other, _]| {
-                            let ahead = sample - *other as usize;
-                            (apart..count.saturating_sub(apart)).contains(&ahead)
-                        })
-                        .filter(|pair| self.square_m2(*pair) < near_m * near_m),
-                );
+        for (sample, place) in (0..).zip(&self.places) {
+            let [column, row] = place.map(|metres| (metres / near_m).floor() as i64);
+            for [dx, dy] in NEIGHBOURS {
+                let earlier = cells.get(&[column + dx, row + dy]).into_iter().flatten();
+                hits.extend(earlier.map(|other| [*other, sample]).filter(is_hit));
             }
             if hits.len() > MOST_HITS {
                 return Err(self.too_often(near_m));
             }
-            cells.entry([column, row]).or_default().push(sample as u32);
+            cells.entry([column, row]).or_default().push(sample);
         }
         hits.sort_unstable();
         Ok(hits)
@@ -140,16 +133,9 @@ impl Samples {
 }
 
 /// A cell and those around it.
-const NEIGHBOURS: [(i64, i64); 9] = [
-    (-1, -1),
-    (-1, 0),
-    (-1, 1),
-    (0, -1),
-    (0, 0),
-    (0, 1),
-    (1, -1),
-    (1, 0),
-    (1, 1),
+#[rustfmt::skip]
+const NEIGHBOURS: [[i64; 2]; 9] = [
+    [-1, -1], [-1, 0], [-1, 1], [0, -1], [0, 0], [0, 1], [1, -1], [1, 0], [1, 1],
 ];
 
 impl Span {

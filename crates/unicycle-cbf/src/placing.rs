@@ -1,5 +1,7 @@
 //! Where robots are on the path, and to each other.
 
+use std::f64::consts::PI;
+
 use crate::controller::Controller;
 use crate::crossing::Crossing;
 use crate::error::Error;
@@ -9,7 +11,7 @@ use crate::settings::Distance;
 use crate::track::Located;
 
 /// Along the path two places are apart by more than half a circle of this diameter, in what is near: a bend is no crossing.
-const APART: f64 = std::f64::consts::PI;
+const APART: f64 = PI;
 /// What bodies have beside each other at a crossing beyond what they need, in m.
 const BESIDE_M: f64 = 0.02;
 /// Share of the angle between two branches that the heading may be off, and the least angle for which that is asked for, in rad.
@@ -47,9 +49,13 @@ impl Controller {
 
     /// Where lanes of two branches have a place in common, or robots of both a crossing.
     fn meetings(&self) -> Result<Vec<Crossing>, Error> {
-        let near_m = self.room_m().max(2.0 * self.limits().half_width_m);
-        let apart_m = std::f64::consts::PI / self.path().max_curvature_1pm();
-        Crossing::all(self.path(), near_m, apart_m)
+        let width_m = self.limits().half_width_m;
+        let near_m = 2.0 * width_m;
+        if near_m <= self.room_m() {
+            return Ok(self.crossings.clone());
+        }
+        let bend_m = 1.0 / self.path().max_curvature_1pm();
+        Crossing::all(self.path(), near_m, PI * width_m.max(bend_m))
     }
 
     /// From how far before a crossing a robot has to know whether it waits, in m.
@@ -120,6 +126,7 @@ impl Controller {
 
     /// Whom of some others a robot follows: of those ahead along the path, on a loop by less than half a lap, the next, or one beside that
     /// in the lane to which the chord is shorter where headway is a chord.
+    #[must_use]
     pub fn leader(
         &self,
         own: &Located,
