@@ -48,7 +48,7 @@ impl Crossing {
         let hits = samples.hits(near_m, apart_m)?;
         let clusters = clusters(hits, count, |pair| samples.square_m2(pair));
         let crossing = |cluster| samples.crossing(path, cluster);
-        Ok(clusters.into_iter().map(crossing).collect())
+        Ok(clusters.iter().map(crossing).collect())
     }
 }
 
@@ -115,7 +115,7 @@ impl Samples {
         }
     }
 
-    fn crossing(&self, path: &Path, cluster: Cluster) -> Crossing {
+    fn crossing(&self, path: &Path, cluster: &Cluster) -> Crossing {
         let count = self.places.len() as isize;
         let branches = cluster.bounds.map(|[from, to]| Span {
             from_m: (from - 1).rem_euclid(count) as f64 * self.step_m,

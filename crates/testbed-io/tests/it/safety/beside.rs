@@ -58,7 +58,7 @@ fn being_passed_again_with_room_to_spare_is_safe() {
 #[test]
 fn six_beside_each_other_are_safe_as_long_as_no_two_touch() {
     let robot = |robot: usize| {
-        let speed_mps = if robot % 2 == 0 { 0.25 } else { 0.1 };
+        let speed_mps = if robot.is_multiple_of(2) { 0.25 } else { 0.1 };
         let place = robot as f64;
         [0.06 - 0.01 * place, 0.2 * place - 0.5, speed_mps]
     };
