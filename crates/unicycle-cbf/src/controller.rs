@@ -10,6 +10,7 @@ use crate::path::{Path, PathPoint};
 use crate::pose::State;
 use crate::qp::{self, Status};
 use crate::settings::{ControllerSettings, Literal};
+use crate::track::Located;
 use crate::unicycle::{Body, Input};
 
 /// The part of the objectives that scenarios change over time.
@@ -41,6 +42,8 @@ pub struct Leader {
     pub state: State,
     /// Its point of interest where it was last seen, in m
     pub last_seen_m: [f64; 2],
+    /// Where it is along the path, in m, as far as that is known
+    pub near_m: Option<f64>,
 }
 
 impl Leader {
@@ -50,6 +53,17 @@ impl Leader {
         Self {
             state,
             last_seen_m: [state.x_m, state.y_m],
+            near_m: None,
+        }
+    }
+
+    /// With its place.
+    #[must_use]
+    pub fn located(&self) -> Located {
+        let near_m = self.near_m;
+        Located {
+            state: self.state,
+            near_m,
         }
     }
 }
@@ -60,7 +74,7 @@ pub struct Around<'a> {
     /// Whom it follows
     pub leader: Option<&'a Leader>,
     /// Others whose bodies it must not touch, the nearest first; the first four are regarded
-    pub others: &'a [State],
+    pub others: &'a [Located],
     /// How far it may go along the path, in m, where it gives way
     pub stop_line_m: Option<f64>,
     /// The foot of the robot itself on the path, where it is known already; see [`Controller::foot`]
@@ -87,6 +101,8 @@ pub struct Controller {
     hold_s: f64,
     limits: Limits,
     pub(crate) crossings: Vec<Crossing>,
+    /// Where a place of the lane belongs to two branches
+    pub(crate) meetings: Vec<Crossing>,
     /// From how near on another robot has a row, squared
     pub(crate) reach_m2: f64,
 }
@@ -116,9 +132,10 @@ impl Controller {
             hold_s,
             limits,
             crossings: Vec::new(),
+            meetings: Vec::new(),
             reach_m2: f64::INFINITY,
         };
-        controller.find_crossings();
+        controller.find_crossings()?;
         controller.reach_m2 = controller.reach_m().powi(2);
         Ok(controller)
     }
@@ -170,19 +187,30 @@ impl Controller {
     /// The motion across the path that the lane bounds.
     #[must_use]
     pub fn lateral(&self, state: &State) -> Lateral {
+        self.lateral_of(&(*state).into())
+    }
+
+    fn lateral_of(&self, robot: &Located) -> Lateral {
         match (&self.path, self.settings.lane.deviation) {
             (Path::Polar(path), Deviation::Radial) => {
                 let unsigned = self.settings.is_literal(Literal::UnsignedAngleRate);
-                radial(path, &self.body, state, unsigned)
+                radial(path, &self.body, &robot.state, unsigned)
             }
-            _ => self.frenet(state).lateral(),
+            _ => self.frenet(robot).lateral(),
         }
     }
 
     /// What has to stay at or above zero, without margins.
     #[must_use]
     pub fn safety(&self, state: &State, leader: Option<&State>) -> Safety {
-        let lateral = self.lateral(state);
+        let leader = leader.map(|leader| Located::from(*leader));
+        self.safety_of(&(*state).into(), leader.as_ref())
+    }
+
+    /// The same of robots that are followed along the path.
+    #[must_use]
+    pub fn safety_of(&self, robot: &Located, leader: Option<&Located>) -> Safety {
+        let lateral = self.lateral_of(robot);
         let deviation_m = lateral.deviation_m;
         let lane = match self.settings.lane.barrier {
             LaneBarrier::Exponential { .. } => self.settings.lane.half_width_m - deviation_m.abs(),
@@ -190,22 +218,15 @@ impl Controller {
         };
         Safety {
             lane,
-            headway_m: leader.map(|leader| self.headway_m(state, leader)),
+            headway_m: leader.map(|leader| self.headway_m(robot, leader)),
             deviation_m,
         }
     }
 
-    /// The same behind the robot before it in the list, if it is that one that it follows.
-    #[must_use]
-    pub fn safety_behind(&self, state: &State, named_ahead: Option<&State>) -> Safety {
-        let followed = named_ahead.filter(|ahead| self.follows(state, ahead));
-        self.safety(state, followed)
-    }
-
     /// `D − D0 − τ v`. Where every robot is regarded a chord across the loop is no headway: to a robot that is more than a quarter of
     /// a lap ahead the way along the path counts.
-    fn headway_m(&self, state: &State, leader: &State) -> f64 {
-        let chord_m = self.headway(state, leader, None).value;
+    fn headway_m(&self, robot: &Located, leader: &Located) -> f64 {
+        let chord_m = self.headway(robot, leader, None).value;
         let lap_m = self.path.length_m().filter(|_| chord_m < 0.0);
         let every_robot = self.settings.hardening.regards_every_robot();
         let Some(lap_m) = lap_m.filter(|_| every_robot) else {
@@ -213,11 +234,11 @@ impl Controller {
         };
         let along_m = self
             .path
-            .distance_along_m(self.s_m(state), self.s_m(leader));
+            .distance_along_m(self.s_m(robot), self.s_m(leader));
         if along_m < 0.25 * lap_m {
             return chord_m;
         }
-        along_m - self.standstill_m() - self.settings.headway.time_s * state.speed_mps
+        along_m - self.standstill_m() - self.settings.headway.time_s * robot.state.speed_mps
     }
 
     /// Decides for a state whose newest pose is `age_s` old, with nobody around but the robot ahead.
@@ -244,7 +265,8 @@ impl Controller {
         age_s: f64,
     ) -> Decision {
         let leader = around.leader.map(|leader| &leader.state);
-        let mut known = around.others.iter().chain(leader);
+        let others = around.others.iter().map(|other| &other.state);
+        let mut known = others.chain(leader);
         if !state.is_finite() || !known.all(State::is_finite) {
             return Decision::braking(Brake::NotFinite, Some(*state), None);
         }

@@ -82,6 +82,7 @@ mod scenario;
 mod settings;
 mod starts;
 mod terms;
+mod track;
 mod unicycle;
 
 pub use controller::{Around, Controller, Leader, Objectives, Safety, Tracking};
@@ -101,4 +102,5 @@ pub use scenario::{PathSpec, RobotSpec, Scenario, ScenarioSpec, Tracker};
 pub use settings::{
     ControllerSettings, Distance, Hardening, HeadwaySettings, LaneSettings, Literal, Preset,
 };
+pub use track::{Located, Tracks};
 pub use unicycle::{Affine, Body, Centripetal, Input, WheelSpeeds};

@@ -9,6 +9,7 @@ use crate::margin::{self, Moment};
 use crate::pose::State;
 use crate::rows::{RowKind, Rows};
 use crate::settings::{Distance, Literal};
+use crate::track::Located;
 
 /// Robots whose bodies have a row, that of the robot ahead among them.
 const MOST_BODIES: usize = 5;
@@ -52,11 +53,17 @@ impl Controller {
         headway
     }
 
-    pub(crate) fn headway(&self, state: &State, leader: &State, frenet: Option<&Frenet>) -> Lie {
+    pub(crate) fn headway(
+        &self,
+        robot: &Located,
+        leader: &Located,
+        frenet: Option<&Frenet>,
+    ) -> Lie {
+        let state = &robot.state;
         let settings = &self.settings().headway;
         let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
         if settings.distance == Distance::Path {
-            let own = frenet.map_or_else(|| self.frenet(state).progress(), Frenet::progress);
+            let own = frenet.map_or_else(|| self.frenet(robot).progress(), Frenet::progress);
             let ahead = self.frenet(leader).progress();
             let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
             let opening_mps = ahead.rate_mps - own.rate_mps;
@@ -72,15 +79,16 @@ impl Controller {
         let velocity = if self.settings().is_literal(Literal::IgnoredLeader) {
             [0.0; 2]
         } else {
-            leader.velocity_mps(self.body().offset_m)
+            leader.state.velocity_mps(self.body().offset_m)
         };
-        let place = [leader.x_m, leader.y_m];
+        let place = [leader.state.x_m, leader.state.y_m];
         cbf::headway(self.body(), state, place, velocity, time_s, standstill_m)
     }
 
     fn headway_rows(&self, rows: &mut Rows, own: &Own, leader: &Leader) -> Lie {
         let settings = self.settings();
-        let h = self.headway(own.state, &leader.state, own.frenet);
+        let robot = Located::from(*own.state);
+        let h = self.headway(&robot, &leader.located(), own.frenet);
         let (leader_mps, time_s) = (leader.state.speed_mps, settings.headway.time_s);
         let margin_m = margin::headway_m(settings, &own.moment, own.state, leader_mps, time_s);
         if settings.is_literal(Literal::BarrierSign) {
@@ -98,7 +106,11 @@ impl Controller {
                 turn_rate_rad_s: 0.0,
                 ..leader.state
             };
-            let stopped = self.headway(own.state, &stopped, own.frenet);
+            let stopped = Located {
+                state: stopped,
+                ..leader.located()
+            };
+            let stopped = self.headway(&robot, &stopped, own.frenet);
             self.row_for_other(rows, own.state, RowKind::HeadwayStopped, &stopped, margin_m);
         }
         h
@@ -133,11 +145,11 @@ impl Controller {
     /// Of each robot in reach one for its body, and before it one for the points where one of both follows the other.
     fn body_rows(&self, rows: &mut Rows, own: &Own, around: Around, headway: Option<&Lie>) {
         let axle = Axle::new(self.body(), own.state);
-        let leader = around.leader.map(|leader| (&leader.state, headway));
-        let others = around.others.iter().map(|other| (other, None));
+        let leader = around.leader.map(|leader| (leader.located(), headway));
+        let others = around.others.iter().map(|other| (*other, None));
         let bodies = leader.into_iter().chain(others).take(MOST_BODIES);
-        for (other, headway) in bodies.filter(|(other, _)| self.reaches(own.state, other)) {
-            self.body_row(rows, own, &axle, other, headway);
+        for (other, headway) in bodies.filter(|(other, _)| self.reaches(own.state, &other.state)) {
+            self.body_row(rows, own, &axle, &other, headway);
         }
     }
 
@@ -147,21 +159,21 @@ impl Controller {
         rows: &mut Rows,
         own: &Own,
         axle: &Axle,
-        other: &State,
+        other: &Located,
         headway: Option<&Lie>,
     ) {
         let (time_s, state) = (self.body_time_s(), own.state);
-        let margin_m =
-            margin::headway_m(self.settings(), &own.moment, state, other.speed_mps, time_s);
-        let other_axle = Axle::new(self.body(), other);
+        let other_mps = other.state.speed_mps;
+        let margin_m = margin::headway_m(self.settings(), &own.moment, state, other_mps, time_s);
+        let other_axle = Axle::new(self.body(), &other.state);
         let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
         let mut h = apart(self.least_distance_m());
         if let Some(headway) = headway {
-            self.point_row(rows, state, &self.gap_ahead(own, other, headway, margin_m));
+            self.point_row(rows, state, &self.gap_ahead(own, &other.state, headway, margin_m));
         } else if let Some((gap, behind)) = self.follower(own, other, margin_m) {
             self.point_row(rows, state, &gap);
             if state.speed_mps < 0.0 {
-                let points = apart(self.standstill_m() + self.between_points_m(state, other));
+                let points = apart(self.standstill_m() + self.between_points_m(state, &other.state));
                 h = if behind.value < points.value {
                     behind
                 } else {
@@ -175,9 +187,9 @@ impl Controller {
     /// The gap to a robot behind that follows this one, and `h = D − D0 + T v` to it along the path: whoever goes backwards leaves it its
     /// headway. Where that one measures a chord it is never the smaller one. None where the robot cannot come nearer to it: only what
     /// is near is worth a search of its place along the path.
-    fn follower(&self, own: &Own, other: &State, margin_m: f64) -> Option<(Gap, Lie)> {
+    fn follower(&self, own: &Own, other: &Located, margin_m: f64) -> Option<(Gap, Lie)> {
         let (state, frenet) = (own.state, own.frenet?);
-        let chord = self.chord(state, other, margin_m);
+        let chord = self.chord(state, &other.state, margin_m);
         let body = self.body();
         let change_mps = body.wheel_acceleration_mps2() * self.hold_s();
         let nearing_mps = body.offset_m * body.max_turn_rate_rad_s + change_mps - state.speed_mps;

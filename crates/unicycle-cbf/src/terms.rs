@@ -31,13 +31,13 @@ impl Controller {
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
         let frenet = self
-            .needs_frenet()
+            .needs_foot()
             .then(|| around.foot.unwrap_or_else(|| self.foot(state)))
             .map(|foot| Frenet::new(foot, self.body(), state));
         let tracked = match (self.path(), &frenet) {
             (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
             (_, Some(frenet)) => frenet.lateral(),
-            (_, None) => self.frenet(state).lateral(),
+            (_, None) => self.frenet(&(*state).into()).lateral(),
         };
         let lateral = match (&frenet, settings.lane.deviation) {
             (Some(frenet), Deviation::Frenet) => frenet.lateral(),
@@ -76,7 +76,9 @@ impl Controller {
         }
     }
 
-    fn needs_frenet(&self) -> bool {
+    /// Whether decisions need the foot on the path.
+    #[must_use]
+    pub fn needs_foot(&self) -> bool {
         let settings = self.settings();
         !matches!(self.path(), Path::Polar(_))
             || settings.lane.deviation == Deviation::Frenet

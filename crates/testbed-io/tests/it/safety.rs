@@ -1,6 +1,8 @@
 //! What a run may not come to, whatever a scenario asks of its robots: bodies that touch, a lane that is left, wheels that jump.
 
+mod beside;
 mod bodies;
+mod branches;
 mod crowd;
 mod deadlock;
 mod lane;

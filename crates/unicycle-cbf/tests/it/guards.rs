@@ -327,7 +327,7 @@ fn a_robot_more_than_half_a_lap_ahead_is_not_followed() {
         }
     };
     for (ahead, is_followed) in [(0.2, true), (0.45, true), (0.55, false), (0.97, false)] {
-        let safety = controller.safety_behind(&at(0.0), Some(&at(ahead)));
-        assert_eq!(safety.headway_m.is_some(), is_followed, "{ahead}");
+        let follows = controller.follows(&at(0.0).into(), &at(ahead).into());
+        assert_eq!(follows, is_followed, "{ahead}");
     }
 }

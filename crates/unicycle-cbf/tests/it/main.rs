@@ -15,4 +15,5 @@ mod qp;
 mod reference;
 mod scenarios;
 mod states;
+mod tracks;
 mod units;

@@ -19,26 +19,34 @@ pub(super) struct Drawn {
     pub(super) is_easy: bool,
 }
 
-struct Draw(ChaCha8Rng);
+pub(super) struct Draw(ChaCha8Rng);
 
 impl Draw {
-    fn between(&mut self, least: f64, most: f64) -> f64 {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    pub(super) fn whole(&mut self, least: usize, most: usize) -> usize {
+        self.0.random_range(least..=most)
+    }
+
+    pub(super) fn between(&mut self, least: f64, most: f64) -> f64 {
         least + (most - least) * self.0.random::<f64>()
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.random::<f64>() < share
     }
 
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(super) fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.0.random_range(0..choices.len())]
     }
 }
 
 pub(super) fn drawn(seed: u64) -> Drawn {
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let mut draw = Draw::new(seed);
     let body = body(&mut draw);
-    let robots = draw.0.random_range(1..=6_usize);
+    let robots = draw.whole(1, 6);
     let headway_s = draw.between(0.3, 2.0);
     let standstill_m = draw.between(0.0, 0.2);
     let radius_m = body.radius_m();
@@ -165,7 +173,7 @@ fn path(draw: &mut Draw, radius_m: f64, round_m: f64) -> (PathSpec, Option<f64>)
             (polar, Some(TAU * mean_m))
         }
         2 | 3 => {
-            let count = draw.0.random_range(6..=14_usize);
+            let count = draw.whole(6, 14);
             let point = |corner: usize| {
                 let angle = TAU * corner as f64 / count as f64;
                 let r = mean_m * draw.between(0.75, 1.25);
