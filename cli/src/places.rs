@@ -46,6 +46,18 @@ pub(crate) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<(
     Ok(())
 }
 
+/// The same of a file that is written without a flag of its own, or read.
+pub(crate) fn refuse_overwriting(flag: &str, output: &Path, input: &Path) -> anyhow::Result<()> {
+    let written = Identity::of(&resolved(output)?);
+    if written.is_none() || written != Identity::of(input) {
+        return Ok(());
+    }
+    bail!(
+        "{flag} would write `{}`, an input; name another file",
+        output.display()
+    )
+}
+
 /// The subcommand that runs.
 fn leaf<'a>(
     mut command: &'a Command,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::cmd::ctrl::files::{FileInput, FileInputs};
 use crate::exit::Outcome;
 use crate::inputs::{Beside, Input, InputEntry, Inputs};
 use crate::require::{Judged, RequireArgs};
@@ -55,16 +56,33 @@ impl<'a, C: Serialize, B: Serialize> Document<'a, C, B> {
 /// What was read, and in `files` what was not.
 #[derive(Debug, Serialize)]
 pub(crate) struct Listing<'a> {
-    inputs: Vec<InputEntry<'a>>,
+    inputs: Vec<Entry<'a>>,
     /// `None` for subcommands that read no logs.
     #[serde(skip_serializing_if = "Option::is_none")]
     files: Option<Beside>,
 }
 
+/// A log, or any other file.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Entry<'a> {
+    Log(InputEntry<'a>),
+    File(&'a FileInput),
+}
+
+impl<'a> From<&'a FileInputs> for Listing<'a> {
+    fn from(inputs: &'a FileInputs) -> Self {
+        Self {
+            inputs: inputs.entries().iter().map(Entry::File).collect(),
+            files: None,
+        }
+    }
+}
+
 impl<'a> From<&'a Inputs> for Listing<'a> {
     fn from(inputs: &'a Inputs) -> Self {
         Self {
-            inputs: inputs.iter().map(Input::entry).collect(),
+            inputs: inputs.iter().map(Input::entry).map(Entry::Log).collect(),
             files: Some(inputs.beside().clone()),
         }
     }

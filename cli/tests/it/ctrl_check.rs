@@ -262,3 +262,124 @@ fn robots_that_start_on_each_other_are_an_error_with_every_preset() {
         out.refused(&["robot 1 starts 0.010 m from robot 0"]);
     }
 }
+
+#[test]
+fn disturbances_beyond_what_controllers_expect_are_noted_with_both_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "khepera", "straight", |line| {
+        Some(match line {
+            "position_noise_m = 0.0" => "position_noise_m = 0.012".to_owned(),
+            "wheel_error = 0.0" => "wheel_error = 0.3".to_owned(),
+            line => line.to_owned(),
+        })
+    });
+    let note = "disturbances are larger than the controllers expect";
+    for text in [run(folder.path()).stderr, check(folder.path(), &[]).stdout] {
+        for words in [note, "12.0 mm and not 3.0 mm", "30.0 % and not 10.0 %"] {
+            assert!(text.contains(words), "no `{words}` in {text}");
+        }
+    }
+    write(folder.path(), "khepera", "straight", |line| {
+        Some(line.to_owned())
+    });
+    assert!(!run(folder.path()).stderr.contains(note));
+}
+
+#[test]
+fn numbers_in_another_unit_are_refused_and_the_message_says_which() {
+    let folder = tempfile::tempdir().unwrap();
+    for (key, value, words) in [
+        ("half_width_m", "150.0", "mm or cm"),
+        ("wheel_base_m", "88.5", "mm or cm"),
+        ("heading_rad", "90.0", "degrees"),
+        ("radius_m", "0.02", "the wheels stand out of it"),
+    ] {
+        write(folder.path(), "khepera", "straight", with(key, value));
+        for command in ["check", "run"] {
+            let run = drivekit_in(folder.path(), &["ctrl", command, "--scenario", "mine.toml"]);
+            assert_eq!(run.code, 2, "{key}: {}", run.stderr);
+            assert!(run.stderr.contains(words), "{key}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn documents_list_the_files_that_were_read() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "khepera", "straight", |line| {
+        Some(line.to_owned())
+    });
+    let (json, short) = (["--format", "json"], ["--duration", "1"]);
+    for args in [
+        &["check", "--scenario", "mine.toml"][..],
+        &["run", "--scenario", "mine.toml", "--duration", "1"],
+        &[
+            "campaign",
+            "--scenario",
+            "mine.toml",
+            "--runs",
+            "2",
+            "--duration",
+            "1",
+        ],
+    ] {
+        let run = drivekit_in(folder.path(), &[&["ctrl"], args, &json].concat());
+        let inputs = &run.ok().json()["inputs"];
+        assert_eq!(inputs.as_array().unwrap().len(), 1, "{args:?}");
+        assert_eq!(inputs[0]["path"], "mine.toml");
+        assert_eq!(inputs[0]["sha256"].as_str().unwrap().len(), 64);
+    }
+    let log = ["ctrl", "run", "-o", "run.csv"];
+    let built_in = drivekit_in(folder.path(), &[&log[..], &short, &json].concat());
+    assert_eq!(built_in.ok().json()["inputs"].as_array().unwrap().len(), 0);
+    let replay = drivekit_in(
+        folder.path(),
+        &[&["ctrl", "replay", "run.csv"][..], &json].concat(),
+    );
+    assert_eq!(replay.ok().json()["inputs"][0]["path"], "run.csv");
+}
+
+/// Poses that a link plays, also where the journal of the session would be.
+#[test]
+fn a_recording_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    for (recording, output) in [("run.csv", "run.csv"), ("run.partial.csv", "run.csv")] {
+        let made = [
+            "ctrl",
+            "run",
+            "--preset",
+            "hardened",
+            "--duration",
+            "2",
+            "-o",
+        ];
+        drivekit_in(folder.path(), &[&made[..], &[recording]].concat()).ok();
+        let link = format!(
+            "robots = [1, 2]\nlost_after_s = 5.0\n[poses]\nkind = \"recording\"\nfile = \"{recording}\"\npace = \"fast\"\n[commands]\nkind = \"none\"\n"
+        );
+        std::fs::write(folder.path().join("lab.toml"), link).unwrap();
+        let before = std::fs::read(folder.path().join(recording)).unwrap();
+        let args = [
+            "ctrl",
+            "run",
+            "--live",
+            "lab.toml",
+            "--duration",
+            "2",
+            "-o",
+            output,
+        ];
+        let run = drivekit_in(folder.path(), &args);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(
+            run.stderr.contains("an input; name another file"),
+            "{}",
+            run.stderr
+        );
+        assert_eq!(
+            std::fs::read(folder.path().join(recording)).unwrap(),
+            before
+        );
+        std::fs::remove_file(folder.path().join(recording)).unwrap();
+    }
+}

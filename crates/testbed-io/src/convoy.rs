@@ -2,7 +2,7 @@
 
 use unicycle_cbf::{
     Ahead, Brake, Decision, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
-    Surroundings, WheelSpeeds,
+    Surroundings, Tracks, WheelSpeeds,
 };
 
 use crate::holds::Holds;
@@ -18,6 +18,7 @@ const STANDING_MPS: f64 = 5e-3;
 pub struct Convoy<'a> {
     scenario: &'a Scenario,
     pilots: Vec<Pilot>,
+    tracks: Tracks,
     /// All robots as they were before anybody's decision at a time
     sight: Vec<Option<Place>>,
     sight_at_s: f64,
@@ -54,6 +55,7 @@ impl<'a> Convoy<'a> {
             right_of_way: RightOfWay::new(scenario.controller(), robots.len()),
             holds: Holds::new(robots.len()),
             pilots: robots.map(pilot).collect(),
+            tracks: Tracks::new(scenario),
             sight_at_s: f64::NAN,
         }
     }
@@ -97,8 +99,8 @@ impl<'a> Convoy<'a> {
         );
         let count = around.nearest.iter().flatten().count();
         let others = around.nearest.map(|other| {
-            let state = other.and_then(|other| self.state(other));
-            state.unwrap_or(State::ORIGIN)
+            let seen = other.and_then(|other| self.sight[other]);
+            seen.map_or(State::ORIGIN.into(), |seen| seen.sighting.leader.located())
         });
         let surroundings = Surroundings {
             own: self.sight[robot],
@@ -178,14 +180,17 @@ impl<'a> Convoy<'a> {
         }
         self.sight_at_s = now_s;
         let controller = self.scenario.controller();
-        let along = controller.settings().hardening.regards_every_robot() && self.robots() > 1;
-        for (pilot, sight) in self.pilots.iter().zip(&mut self.sight) {
-            *sight = pilot.sighting(controller, now_s).map(|sighting| Place {
-                sighting,
-                foot: along.then(|| controller.foot(&sighting.leader.state)),
+        let needs_foot = controller.needs_foot();
+        let robots = self.pilots.iter().zip(&mut self.sight);
+        for (robot, (pilot, sight)) in robots.enumerate() {
+            *sight = pilot.sighting(controller, now_s).map(|mut sighting| {
+                let leader = &mut sighting.leader;
+                let foot = needs_foot.then(|| self.tracks.foot(controller, robot, &leader.state));
+                leader.near_m = foot.map(|foot| foot.s_m);
+                Place { sighting, foot }
             });
         }
-        if along && !controller.crossings().is_empty() {
+        if self.robots() > 1 && !controller.crossings().is_empty() {
             self.give_way(now_s);
         }
     }
@@ -222,12 +227,12 @@ impl<'a> Convoy<'a> {
         }
     }
 
-    /// The nearest robot ahead along the path, on a loop by less than half a lap.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let (_, leader) = self.ahead(robot)?;
-        let (own_m, leader_m) = (self.along_m_of(robot)?, self.along_m_of(leader)?);
-        let controller = self.scenario.controller();
-        controller.follows_along(own_m, leader_m).then_some(leader)
+        let located = |seen: &Option<Place>| Some(seen.as_ref()?.sighting.leader.located());
+        let own = located(&self.sight[robot])?;
+        let others = self.sight.iter().map(located).enumerate();
+        let others = others.filter(|(other, _)| *other != robot);
+        self.scenario.controller().leader(&own, others)
     }
 
     /// Where a robot was seen along the path, in m.

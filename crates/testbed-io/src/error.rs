@@ -61,7 +61,9 @@ pub enum Error {
         expected: &'static str,
     },
     /// A disturbance out of its range.
-    #[error("disturbance `{name}` is {value}; it must be from 0 to {most}")]
+    #[error(
+        "disturbance `{name}` is {value}; it must be from 0 to {most}, in the unit of its name: m, rad, s, m/s, and shares as 0.1 for 10 %"
+    )]
     Disturbance {
         /// Name of the setting.
         name: &'static str,

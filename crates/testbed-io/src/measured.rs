@@ -1,6 +1,6 @@
 //! Real robots by the poses that were measured of them, in a session and in its replay.
 
-use unicycle_cbf::{Scenario, Speeds, StampedPose, State};
+use unicycle_cbf::{Located, Scenario, Speeds, StampedPose, State, Tracks};
 
 use crate::sight::{BESIDE_S, Glimpse, Sights};
 use crate::summary::Summarising;
@@ -17,6 +17,7 @@ pub(crate) struct Measured<'a> {
     is_told: bool,
     /// The newest by stamp
     poses: Vec<Option<StampedPose>>,
+    tracks: Tracks,
     /// Of the points of interest, of those that are about as old as each other
     places: Vec<Option<State>>,
     sights: Sights,
@@ -32,8 +33,14 @@ impl<'a> Measured<'a> {
             scenario,
             is_told,
             poses: vec![None; robots],
+            tracks: Tracks::new(scenario),
             places: Vec::with_capacity(robots),
-            sights: Sights::new(robots, most_age_s, controller.least_distance_m()),
+            sights: Sights::new(
+                robots,
+                most_age_s,
+                controller.least_distance_m(),
+                most_mps(scenario),
+            ),
         }
     }
 
@@ -51,8 +58,8 @@ impl<'a> Measured<'a> {
         summary: &mut Summarising,
     ) -> Option<f64> {
         self.poses[robot] = Some(seen);
-        let Truth { safety, .. } = truth(self.scenario, robot, Speeds::ZERO, &self.poses)?;
-        // Before the start robots may be carried about.
+        self.follow(robot, seen);
+        let Truth { safety, .. } = self.truth(robot, Speeds::ZERO)?;
         if seen.stamp_s >= 0.0 {
             summary.add_measured(seen.stamp_s, &safety);
             self.judge_distances(seen.stamp_s, summary);
@@ -76,7 +83,51 @@ impl<'a> Measured<'a> {
 
     /// How safe a robot is by its newest pose if it has these speeds.
     pub(crate) fn truth(&self, robot: usize, speeds: Speeds) -> Option<Truth> {
-        truth(self.scenario, robot, speeds, &self.poses)
+        self.truth_of(robot, speeds, &self.poses)
+    }
+
+    /// The same by other poses of about this time. A measured pose counts as the truth, with the speeds that the robot was told.
+    pub(crate) fn truth_of(
+        &self,
+        robot: usize,
+        speeds: Speeds,
+        poses: &[Option<StampedPose>],
+    ) -> Option<Truth> {
+        let controller = self.scenario.controller();
+        let own = poses[robot]?;
+        let ahead = self.ahead(robot, own.stamp_s, poses);
+        let located = self.located(robot, own, speeds);
+        Some(Truth {
+            state: located.state,
+            safety: self
+                .tracks
+                .safety(controller, robot, &located, ahead.as_ref()),
+        })
+    }
+
+    fn follow(&mut self, robot: usize, seen: StampedPose) {
+        // Before the start robots may be carried about.
+        if seen.stamp_s < 0.0 {
+            self.tracks.forget(robot);
+        }
+        let controller = self.scenario.controller();
+        let state = seen.pose.state(controller.body().offset_m, Speeds::ZERO);
+        let own = self.tracks.located(controller, robot, state);
+        if let Some(ahead) = self.ahead(robot, seen.stamp_s, &self.poses) {
+            self.tracks.follow(controller, robot, &own, &ahead);
+        }
+    }
+
+    /// The robot before one in the list, unless it was seen too long ago.
+    fn ahead(&self, robot: usize, time_s: f64, poses: &[Option<StampedPose>]) -> Option<Located> {
+        let ahead = robot.checked_sub(1)?;
+        let seen = poses[ahead].filter(|seen| time_s - seen.stamp_s <= BESIDE_S)?;
+        Some(self.located(ahead, seen, Speeds::ZERO))
+    }
+
+    fn located(&self, robot: usize, seen: StampedPose, speeds: Speeds) -> Located {
+        let offset_m = self.scenario.controller().body().offset_m;
+        self.tracks.last(robot, seen.pose.state(offset_m, speeds))
     }
 
     /// Of poses that are about as old as each other.
@@ -99,10 +150,8 @@ fn most_way_m(
     is_told: bool,
     told_m: impl Fn(usize, f64) -> f64 + Copy,
 ) -> impl Fn(usize, f64) -> f64 + Copy {
-    let controller = scenario.controller();
-    let most_mps = controller.body().max_wheel_speed_mps;
-    let error = controller.settings().hardening.wheel_error;
-    let factor = 1.0 + error.max(WHEEL_ERROR);
+    let most_mps = most_mps(scenario);
+    let factor = wheel_factor(scenario);
     move |robot, time_s| {
         if is_told {
             factor * told_m(robot, time_s)
@@ -112,20 +161,12 @@ fn most_way_m(
     }
 }
 
-/// A measured pose counts as the truth, with the speeds that the robot was told.
-pub(crate) fn truth(
-    scenario: &Scenario,
-    robot: usize,
-    speeds: Speeds,
-    poses: &[Option<StampedPose>],
-) -> Option<Truth> {
-    let controller = scenario.controller();
-    let offset_m = controller.body().offset_m;
-    let own = poses[robot]?;
-    let ahead = robot.checked_sub(1).and_then(|ahead| poses[ahead]);
-    let ahead = ahead.filter(|ahead| own.stamp_s - ahead.stamp_s <= BESIDE_S);
-    let ahead = ahead.map(|ahead| ahead.pose.state(offset_m, Speeds::ZERO));
-    let state = own.pose.state(offset_m, speeds);
-    let safety = controller.safety_behind(&state, ahead.as_ref());
-    Some(Truth { state, safety })
+fn wheel_factor(scenario: &Scenario) -> f64 {
+    let error = scenario.controller().settings().hardening.wheel_error;
+    1.0 + error.max(WHEEL_ERROR)
+}
+
+/// What wheels can do, error and all, in m/s.
+fn most_mps(scenario: &Scenario) -> f64 {
+    wheel_factor(scenario) * scenario.controller().body().max_wheel_speed_mps
 }

@@ -1,7 +1,7 @@
 //! Every decision of a run log once more.
 
 use serde::Serialize;
-use unicycle_cbf::{Decision, Scenario, ScenarioSpec};
+use unicycle_cbf::{Decision, Scenario, ScenarioSpec, Tracks};
 
 use crate::convoy::Convoy;
 use crate::error::Error;
@@ -12,7 +12,7 @@ use crate::run_log::{DECIDED, LoggedTick, RunLog};
 use crate::sight::Doubt;
 use crate::summary::{Summarising, Summary};
 use crate::tick::Tick;
-use crate::verdict::{LeastDistance, Verdict};
+use crate::verdict::{LeastDistance, Verdict, safeties};
 
 /// The last step of a session that went on to its end begins so many steps before it at most.
 const END_STEPS: f64 = 1.5;
@@ -182,6 +182,7 @@ impl<'a> Replaying<'a> {
 struct Judging<'a> {
     scenario: &'a Scenario,
     summary: Summarising,
+    tracks: Tracks,
     session: Option<Session<'a>>,
 }
 
@@ -205,6 +206,7 @@ impl<'a> Judging<'a> {
         Self {
             scenario,
             summary: Summarising::new(scenario),
+            tracks: Tracks::new(scenario),
             session,
         }
     }
@@ -212,7 +214,7 @@ impl<'a> Judging<'a> {
     /// The rows of one step are from the back.
     fn step(&mut self, rows: &[LoggedTick]) {
         let Some(session) = &mut self.session else {
-            return judge_places(self.scenario, rows, &mut self.summary);
+            return self.judge_places(rows);
         };
         let mut seen: Vec<_> = rows
             .iter()
@@ -227,6 +229,17 @@ impl<'a> Judging<'a> {
         for row in rows {
             session.disbelieved[row.robot] = row.disbelieved_s.is_some();
         }
+    }
+
+    fn judge_places(&mut self, rows: &[LoggedTick]) {
+        let places: Vec<_> = rows.iter().rev().map(|row| row.place).collect();
+        let time_s = rows.first().map_or(f64::NAN, |row| row.time_s);
+        let controller = self.scenario.controller();
+        let safeties = safeties(controller, &mut self.tracks, &places);
+        for safety in safeties.iter().flatten() {
+            self.summary.add_measured(time_s, safety);
+        }
+        self.summary.add_places(time_s, &places);
     }
 
     fn decided(&mut self, row: &LoggedTick, decision: &Decision) {
@@ -262,18 +275,6 @@ impl<'a> Judging<'a> {
         }
         (self.summary.finished(), doubts)
     }
-}
-
-fn judge_places(scenario: &Scenario, rows: &[LoggedTick], summary: &mut Summarising) {
-    let controller = scenario.controller();
-    let places: Vec<_> = rows.iter().rev().map(|row| row.place).collect();
-    let time_s = rows.first().map_or(f64::NAN, |row| row.time_s);
-    for (robot, own) in places.iter().enumerate() {
-        let Some(own) = own else { continue };
-        let ahead = robot.checked_sub(1).and_then(|ahead| places[ahead]);
-        summary.add_measured(time_s, &controller.safety_behind(own, ahead.as_ref()));
-    }
-    summary.add_places(time_s, &places);
 }
 
 fn difference(tick: &Tick, outcome: &str, logged: &[f64; DECIDED.len()]) -> Option<Difference> {

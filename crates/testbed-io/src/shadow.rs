@@ -2,7 +2,7 @@
 
 use unicycle_cbf::{
     ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
-    State, Testbed,
+    State, Testbed, Tracks,
 };
 
 use crate::convoy::Convoy;
@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::recorded::{RecordedPose, RecordedRobot, Recording};
 use crate::summary::{Summarising, Summary};
 use crate::tick::{Tick, Truth};
+use crate::verdict::safeties;
 
 /// Span over which speeds are measured, in s.
 const SPEED_SPAN_S: f64 = 0.2;
@@ -78,19 +79,21 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
         });
     }
     let mut convoy = Convoy::new(scenario);
-    let mut tracks: Vec<Track> = recording.robots.iter().map(Track::new).collect();
+    let mut recorded: Vec<Recorded> = recording.robots.iter().map(Recorded::new).collect();
+    let mut tracks = Tracks::new(scenario);
     let mut summary = Summarising::new(scenario);
     let mut ticks = Vec::new();
     for step in 0..scenario.steps() {
         let now_s = scenario.time_s(step);
-        let seen: Vec<Option<StampedPose>> = tracks.iter_mut().map(|t| t.newest(now_s)).collect();
-        for (robot, (seen, track)) in seen.iter().zip(&tracks).enumerate() {
+        let seen: Vec<Option<StampedPose>> = recorded.iter_mut().map(|r| r.newest(now_s)).collect();
+        for (robot, (seen, recorded)) in seen.iter().zip(&recorded).enumerate() {
             if let Some(seen) = seen {
-                convoy.sent(robot, seen.stamp_s, track.speeds());
+                convoy.sent(robot, seen.stamp_s, recorded.speeds());
                 convoy.observe(robot, *seen);
             }
         }
-        let places: Vec<Option<State>> = tracks.iter().map(|t| t.state(scenario)).collect();
+        let places: Vec<Option<State>> = recorded.iter().map(|r| r.state(scenario)).collect();
+        let safeties = safeties(scenario.controller(), &mut tracks, &places);
         summary.add_places(now_s, &places);
         let mut own: Vec<Tick> = (0..robots)
             .rev()
@@ -111,7 +114,8 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
             })
             .collect();
         for tick in &mut own {
-            tick.truth = truth(scenario, &tracks, tick.robot);
+            let truth = places[tick.robot].zip(safeties[tick.robot]);
+            tick.truth = truth.map(|(state, safety)| Truth { state, safety });
             summary.add(tick);
         }
         ticks.append(&mut own);
@@ -119,23 +123,13 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
     Ok((ticks, summary.finished()))
 }
 
-fn truth(scenario: &Scenario, tracks: &[Track], robot: usize) -> Option<Truth> {
-    let state = |robot: usize| tracks[robot].state(scenario);
-    let ahead = robot.checked_sub(1).and_then(state);
-    let state = state(robot)?;
-    Some(Truth {
-        state,
-        safety: scenario.controller().safety_behind(&state, ahead.as_ref()),
-    })
-}
-
 /// One robot's recording, read forward.
-struct Track<'a> {
+struct Recorded<'a> {
     poses: &'a [RecordedPose],
     next: usize,
 }
 
-impl<'a> Track<'a> {
+impl<'a> Recorded<'a> {
     fn new(robot: &'a RecordedRobot) -> Self {
         Self {
             poses: &robot.poses,

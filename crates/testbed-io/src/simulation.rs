@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use unicycle_cbf::{Decision, Safety, Scenario, StampedPose, State, WheelSpeeds};
+use unicycle_cbf::{Decision, Located, Safety, Scenario, StampedPose, State, Tracks, WheelSpeeds};
 
 use crate::convoy::Convoy;
 use crate::disturbances::{Disturbances, Random};
@@ -38,6 +38,7 @@ impl Simulation<'_> {
         self.disturbances.check()?;
         let mut robots = self.robots();
         let mut convoy = Convoy::new(self.scenario);
+        let mut tracks = Tracks::new(self.scenario);
         let mut summary = Summarising::new(self.scenario);
         for step in 0..self.scenario.steps() {
             let now_s = self.scenario.time_s(step);
@@ -53,7 +54,7 @@ impl Simulation<'_> {
             for (index, robot) in robots.iter_mut().enumerate().rev() {
                 robot.decide(&mut convoy, index, now_s, share_us);
             }
-            advance(&mut robots, self.scenario, now_s, &mut summary);
+            advance(&mut robots, &mut tracks, self.scenario, now_s, &mut summary);
             for (index, robot) in robots.iter().enumerate().rev() {
                 if let Some(tick) = robot.tick(step, index, now_s) {
                     summary.add(&tick);
@@ -85,7 +86,6 @@ impl Simulation<'_> {
                     step_us: 0.0,
                     target: WheelSpeeds::default(),
                     truth: None,
-                    follows: false,
                 }
             })
             .collect()
@@ -102,8 +102,6 @@ struct Robot {
     step_us: f64,
     target: WheelSpeeds,
     truth: Option<Truth>,
-    /// The one before it in the list, and not that one it
-    follows: bool,
 }
 
 impl Robot {
@@ -138,27 +136,35 @@ impl Robot {
 }
 
 /// One period of all robots, from the front. A truth is the state at its start, after the command, and the least barriers over it.
-fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut Summarising) {
+fn advance(
+    robots: &mut [Robot],
+    tracks: &mut Tracks,
+    scenario: &Scenario,
+    now_s: f64,
+    summary: &mut Summarising,
+) {
     let controller = scenario.controller();
     let parts = SUBSTEPS.max((controller.hold_s() / LONGEST_PART_S).ceil() as usize);
     let part_s = controller.hold_s() / parts as f64;
-    let mut ahead_m = f64::NAN;
-    for (index, robot) in robots.iter_mut().enumerate() {
-        let s_m = controller.s_m(&robot.plant.state());
-        robot.follows = index > 0 && controller.follows_along(s_m, ahead_m);
-        ahead_m = s_m;
+    let states = robots.iter().map(|robot| robot.plant.state());
+    let starts: Vec<Located> = states
+        .enumerate()
+        .map(|(robot, state)| tracks.located(controller, robot, state))
+        .collect();
+    for (ahead, pair) in starts.windows(2).enumerate() {
+        tracks.follow(controller, ahead + 1, &pair[1], &pair[0]);
     }
     let mut places: Vec<Option<State>> = Vec::with_capacity(robots.len());
     for part in 0..=parts {
         places.clear();
-        let mut ahead: Option<State> = None;
-        for robot in robots.iter_mut() {
+        let mut ahead: Option<Located> = None;
+        for (index, robot) in robots.iter_mut().enumerate() {
             if part > 0 {
                 robot.plant.advance(robot.target, part_s);
             }
             let state = robot.plant.state();
-            let leader = ahead.filter(|_| robot.follows);
-            let safety = controller.safety(&state, leader.as_ref());
+            let own = tracks.located(controller, index, state);
+            let safety = tracks.safety(controller, index, &own, ahead.as_ref());
             robot.truth = Some(match robot.truth {
                 Some(truth) if part > 0 => Truth {
                     safety: worse(truth.safety, safety),
@@ -166,8 +172,8 @@ fn advance(robots: &mut [Robot], scenario: &Scenario, now_s: f64, summary: &mut 
                 },
                 _ => Truth { state, safety },
             });
-            ahead = Some(state);
-            places.push(ahead);
+            ahead = Some(own);
+            places.push(Some(state));
         }
         summary.add_places(now_s + part as f64 * part_s, &places);
     }

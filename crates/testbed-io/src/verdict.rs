@@ -1,7 +1,7 @@
 //! Whether a run was safe: by the bodies of all robots and by their lanes, as far as it was seen.
 
 use serde::Serialize;
-use unicycle_cbf::{Controller, State};
+use unicycle_cbf::{Controller, Located, Safety, State, Tracks};
 
 /// What is known of the safety of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -26,6 +26,27 @@ pub struct LeastDistance {
     pub centres_m: f64,
     /// Between their bodies, in m; below zero they touch
     pub gap_m: f64,
+}
+
+/// What each robot has to keep at one time, by the states of all from the front.
+pub(crate) fn safeties(
+    controller: &Controller,
+    tracks: &mut Tracks,
+    states: &[Option<State>],
+) -> Vec<Option<Safety>> {
+    let robots = states.iter().enumerate();
+    let robots: Vec<Option<Located>> = robots
+        .map(|(robot, state)| Some(tracks.located(controller, robot, (*state)?)))
+        .collect();
+    let mut safety = |robot: usize| {
+        let own = robots[robot]?;
+        let ahead = robot.checked_sub(1).and_then(|ahead| robots[ahead]);
+        if let Some(ahead) = &ahead {
+            tracks.follow(controller, robot, &own, ahead);
+        }
+        Some(tracks.safety(controller, robot, &own, ahead.as_ref()))
+    };
+    (0..states.len()).map(&mut safety).collect()
 }
 
 /// Watches the distances between all robots.

@@ -8,16 +8,10 @@ use crate::lateral::{Deviation, Lateral, radial};
 use crate::limits::Limits;
 use crate::path::{Path, PathPoint};
 use crate::pose::State;
-use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
-use crate::rows::RowKind;
+use crate::qp::{self, Status};
 use crate::settings::{ControllerSettings, Literal};
+use crate::track::Located;
 use crate::unicycle::{Body, Input};
-
-/// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
-const RELAXATION_WEIGHT: f64 = 1e9;
-
-/// By how much more the row of the direction gives way than those of the lane.
-const DIRECTION_SHARE: f64 = 10.0;
 
 /// The part of the objectives that scenarios change over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +42,8 @@ pub struct Leader {
     pub state: State,
     /// Its point of interest where it was last seen, in m
     pub last_seen_m: [f64; 2],
+    /// Where it is along the path, in m, as far as that is known
+    pub near_m: Option<f64>,
 }
 
 impl Leader {
@@ -57,6 +53,17 @@ impl Leader {
         Self {
             state,
             last_seen_m: [state.x_m, state.y_m],
+            near_m: None,
+        }
+    }
+
+    /// With its place.
+    #[must_use]
+    pub fn located(&self) -> Located {
+        let near_m = self.near_m;
+        Located {
+            state: self.state,
+            near_m,
         }
     }
 }
@@ -67,7 +74,7 @@ pub struct Around<'a> {
     /// Whom it follows
     pub leader: Option<&'a Leader>,
     /// Others whose bodies it must not touch, the nearest first; the first four are regarded
-    pub others: &'a [State],
+    pub others: &'a [Located],
     /// How far it may go along the path, in m, where it gives way
     pub stop_line_m: Option<f64>,
     /// The foot of the robot itself on the path, where it is known already; see [`Controller::foot`]
@@ -94,6 +101,8 @@ pub struct Controller {
     hold_s: f64,
     limits: Limits,
     pub(crate) crossings: Vec<Crossing>,
+    /// Where a place of the lane belongs to two branches
+    pub(crate) meetings: Vec<Crossing>,
     /// From how near on another robot has a row, squared
     pub(crate) reach_m2: f64,
 }
@@ -123,9 +132,10 @@ impl Controller {
             hold_s,
             limits,
             crossings: Vec::new(),
+            meetings: Vec::new(),
             reach_m2: f64::INFINITY,
         };
-        controller.find_crossings();
+        controller.find_crossings()?;
         controller.reach_m2 = controller.reach_m().powi(2);
         Ok(controller)
     }
@@ -177,19 +187,30 @@ impl Controller {
     /// The motion across the path that the lane bounds.
     #[must_use]
     pub fn lateral(&self, state: &State) -> Lateral {
+        self.lateral_of(&(*state).into())
+    }
+
+    fn lateral_of(&self, robot: &Located) -> Lateral {
         match (&self.path, self.settings.lane.deviation) {
             (Path::Polar(path), Deviation::Radial) => {
                 let unsigned = self.settings.is_literal(Literal::UnsignedAngleRate);
-                radial(path, &self.body, state, unsigned)
+                radial(path, &self.body, &robot.state, unsigned)
             }
-            _ => self.frenet(state).lateral(),
+            _ => self.frenet(robot).lateral(),
         }
     }
 
     /// What has to stay at or above zero, without margins.
     #[must_use]
     pub fn safety(&self, state: &State, leader: Option<&State>) -> Safety {
-        let lateral = self.lateral(state);
+        let leader = leader.map(|leader| Located::from(*leader));
+        self.safety_of(&(*state).into(), leader.as_ref())
+    }
+
+    /// The same of robots that are followed along the path.
+    #[must_use]
+    pub fn safety_of(&self, robot: &Located, leader: Option<&Located>) -> Safety {
+        let lateral = self.lateral_of(robot);
         let deviation_m = lateral.deviation_m;
         let lane = match self.settings.lane.barrier {
             LaneBarrier::Exponential { .. } => self.settings.lane.half_width_m - deviation_m.abs(),
@@ -197,22 +218,15 @@ impl Controller {
         };
         Safety {
             lane,
-            headway_m: leader.map(|leader| self.headway_m(state, leader)),
+            headway_m: leader.map(|leader| self.headway_m(robot, leader)),
             deviation_m,
         }
     }
 
-    /// The same behind the robot before it in the list, if it is that one that it follows.
-    #[must_use]
-    pub fn safety_behind(&self, state: &State, named_ahead: Option<&State>) -> Safety {
-        let followed = named_ahead.filter(|ahead| self.follows(state, ahead));
-        self.safety(state, followed)
-    }
-
     /// `D − D0 − τ v`. Where every robot is regarded a chord across the loop is no headway: to a robot that is more than a quarter of
     /// a lap ahead the way along the path counts.
-    fn headway_m(&self, state: &State, leader: &State) -> f64 {
-        let chord_m = self.headway(state, leader, None).value;
+    fn headway_m(&self, robot: &Located, leader: &Located) -> f64 {
+        let chord_m = self.headway(robot, leader, None).value;
         let lap_m = self.path.length_m().filter(|_| chord_m < 0.0);
         let every_robot = self.settings.hardening.regards_every_robot();
         let Some(lap_m) = lap_m.filter(|_| every_robot) else {
@@ -220,11 +234,11 @@ impl Controller {
         };
         let along_m = self
             .path
-            .distance_along_m(self.s_m(state), self.s_m(leader));
+            .distance_along_m(self.s_m(robot), self.s_m(leader));
         if along_m < 0.25 * lap_m {
             return chord_m;
         }
-        along_m - self.standstill_m() - self.settings.headway.time_s * state.speed_mps
+        along_m - self.standstill_m() - self.settings.headway.time_s * robot.state.speed_mps
     }
 
     /// Decides for a state whose newest pose is `age_s` old, with nobody around but the robot ahead.
@@ -251,7 +265,8 @@ impl Controller {
         age_s: f64,
     ) -> Decision {
         let leader = around.leader.map(|leader| &leader.state);
-        let mut known = around.others.iter().chain(leader);
+        let others = around.others.iter().map(|other| &other.state);
+        let mut known = others.chain(leader);
         if !state.is_finite() || !known.all(State::is_finite) {
             return Decision::braking(Brake::NotFinite, Some(*state), None);
         }
@@ -263,6 +278,9 @@ impl Controller {
             Status::Optimal => self.decided(Outcome::Optimal, state, terms),
             Status::NotFinite | Status::TooManyRows => {
                 Decision::braking(Brake::NotFinite, Some(*state), Some(terms))
+            }
+            Status::Infeasible | Status::IterationLimit if self.is_to_stand(state, &terms) => {
+                Decision::braking(Brake::Infeasible, Some(*state), Some(terms))
             }
             Status::Infeasible | Status::IterationLimit => self.relaxed(state, terms, &weights),
         }
@@ -277,47 +295,6 @@ impl Controller {
         weights
     }
 
-    /// The second rung: lane rows and that of the direction share a slack. Then the last: braking.
-    fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
-        let none = Row::<6> {
-            a: [0.0; 6],
-            b: 0.0,
-        };
-        let mut soft = [none; MAX_ROWS];
-        let rows = terms.rows.as_slice();
-        for (soft, (row, kind)) in soft.iter_mut().zip(rows.iter().zip(terms.rows.kinds())) {
-            let [a0, a1, a2, a3, a4] = row.a;
-            let slack = match kind {
-                RowKind::Direction => -DIRECTION_SHARE,
-                kind if kind.is_lane() => -1.0,
-                _ => 0.0,
-            };
-            soft.a = [a0, a1, a2, a3, a4, slack];
-            soft.b = row.b;
-        }
-        let [w0, w1, w2, w3, w4] = *weights;
-        let weights = [w0, w1, w2, w3, w4, RELAXATION_WEIGHT];
-        let solution = qp::solve(&weights, &soft[..rows.len()]);
-        let [z0, z1, z2, z3, z4, _] = solution.z;
-        terms.solution = Solution {
-            status: solution.status,
-            z: [z0, z1, z2, z3, z4],
-            multipliers: solution.multipliers,
-            active: solution.active,
-            iterations: solution.iterations,
-        };
-        let reason = match solution.status {
-            Status::Optimal => {
-                let (row, by) = most_violated(&terms);
-                return self.decided(Outcome::Relaxed { row, by }, state, terms);
-            }
-            Status::Infeasible => Brake::Infeasible,
-            Status::IterationLimit => Brake::Solver,
-            Status::NotFinite | Status::TooManyRows => Brake::NotFinite,
-        };
-        Decision::braking(reason, Some(*state), Some(terms))
-    }
-
     /// Wheels that are faster than they may be slow down as fast as they can, and not at once.
     fn clip_mps(&self, state: &State) -> f64 {
         let limit_mps = self.limits.wheel_speed_mps;
@@ -329,7 +306,7 @@ impl Controller {
         limit_mps.max(fastest_mps - self.body.wheel_acceleration_mps2() * self.hold_s)
     }
 
-    fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
+    pub(crate) fn decided(&self, outcome: Outcome, state: &State, terms: Terms) -> Decision {
         let [force_n, torque_nm, ..] = terms.solution.z;
         let input = Input { force_n, torque_nm };
         let speeds = self.body.speeds_after(state.speeds(), input, self.hold_s);
@@ -350,16 +327,4 @@ impl Controller {
             wheels,
         }
     }
-}
-
-/// The row whose left side exceeds its right side most.
-fn most_violated(terms: &Terms) -> (RowKind, f64) {
-    let z = &terms.solution.z;
-    let excess = |row: &Row| row.a.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() - row.b;
-    let rows = terms.rows.as_slice().iter().zip(terms.rows.kinds());
-    rows.filter(|(_, kind)| kind.is_lane() || **kind == RowKind::Direction)
-        .map(|(row, kind)| (*kind, excess(row)))
-        .fold((RowKind::Lane, 0.0), |most, next| {
-            if next.1 > most.1 { next } else { most }
-        })
 }

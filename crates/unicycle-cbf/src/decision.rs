@@ -33,7 +33,7 @@ pub enum Outcome {
 pub enum Brake {
     /// The scenario asks for it
     Asked,
-    /// Headway and wheel limits contradict each other
+    /// Rows contradict each other
     Infeasible,
     /// No pose was ever seen
     NoPose,
@@ -166,9 +166,16 @@ impl Decision {
     #[must_use]
     pub fn held_by_body(&self) -> Option<usize> {
         let terms = self.terms.as_ref()?;
-        let kinds = terms.rows.kinds().iter().enumerate();
-        let mut bodies = kinds.filter(|(_, kind)| **kind == RowKind::Apart);
-        bodies.position(|(row, _)| terms.solution.active & (1 << row) != 0)
+        let mut body = 0;
+        for (row, kind) in terms.rows.kinds().iter().enumerate() {
+            let is_of_body = matches!(kind, RowKind::Apart | RowKind::Point);
+            if is_of_body && terms.solution.is_active(row) {
+                return Some(body);
+            }
+            // The row of the points stands before that of the bodies.
+            body += usize::from(*kind == RowKind::Apart);
+        }
+        None
     }
 
     pub(crate) fn braking(reason: Brake, state: Option<State>, terms: Option<Terms>) -> Self {

@@ -26,6 +26,18 @@ pub enum Error {
         /// Largest allowed value
         most: f64,
     },
+    /// A number that is likely to be in another unit
+    #[error("`{name}` is {value}; it must be {believed}: {help}")]
+    Unit {
+        /// Name of the setting
+        name: &'static str,
+        /// What was given
+        value: f64,
+        /// The range in which it is believed, in words
+        believed: String,
+        /// Which unit it is in, and which one it may be
+        help: &'static str,
+    },
     /// Settings that contradict each other
     #[error("{what}")]
     Contradiction {

@@ -113,6 +113,12 @@ impl Frenet {
         }
     }
 
+    /// Of the path, a unit vector
+    #[must_use]
+    pub(crate) fn tangent(&self) -> [f64; 2] {
+        self.foot.tangent
+    }
+
     /// `s` and `ṡ`
     #[must_use]
     pub(crate) fn progress(&self) -> Progress {

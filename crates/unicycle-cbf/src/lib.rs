@@ -63,14 +63,17 @@ mod crossing;
 mod decision;
 mod demands;
 mod error;
+mod ladder;
 mod lateral;
 mod library;
 mod lie;
 mod limits;
 mod margin;
+mod others;
 pub mod path;
 mod pilot;
 mod placing;
+mod plausible;
 mod pose;
 mod predictor;
 pub mod qp;
@@ -79,6 +82,7 @@ mod scenario;
 mod settings;
 mod starts;
 mod terms;
+mod track;
 mod unicycle;
 
 pub use controller::{Around, Controller, Leader, Objectives, Safety, Tracking};
@@ -98,4 +102,5 @@ pub use scenario::{PathSpec, RobotSpec, Scenario, ScenarioSpec, Tracker};
 pub use settings::{
     ControllerSettings, Distance, Hardening, HeadwaySettings, LaneSettings, Literal, Preset,
 };
+pub use track::{Located, Tracks};
 pub use unicycle::{Affine, Body, Centripetal, Input, WheelSpeeds};

@@ -10,6 +10,7 @@
 //! ẏ          e1 = V Δψ + a Δω
 //! ÿ          e2 = V Δω
 //! margin     e0 + e1 (k1 + k2)/(k1 k2) + e2/(k1 k2)
+//! turning    V κ + Δω + k1 Δψ                  at most the largest turn rate, in a bend of curvature κ
 //! ```
 //!
 //! `ÿ + (k1 + k2) ẏ + k1 k2 y ≤ k1 k2 (d − margin)` holds for what the controller believes, hence with `d` for what is true, and then
@@ -30,8 +31,6 @@ const MOST_OF_BEND: f64 = 0.7;
 const LEAST_BEND_M: f64 = 2e-3;
 /// How often noise is counted.
 const NOISE_PEAKS: f64 = 2.0;
-/// Time in which motors follow a command, in s.
-const MOTORS_S: f64 = 0.02;
 /// `(T + motors) (k1 + k2)` at most: what rows of a held command have to leave of the lane in a period.
 const MOST_DECAY: f64 = 0.5;
 /// Share of the stated wheel speed below which a scenario is refused.
@@ -48,13 +47,16 @@ pub struct Limits {
     pub half_width_m: f64,
     /// What would have to be taken off it at the body's wheel speed, in m
     pub margin_at_full_speed_m: f64,
-    /// Up to which speed of the wheels the robot turns fast enough, back before the edge and round the tightest bend, in m/s
+    /// Up to which speed of the wheels the robot turns fast enough, back before the edge and round the tightest bend, errors and all, in m/s
     pub agile_mps: f64,
     /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
     pub lane_rates_1ps: [f64; 2],
 }
 
 impl Limits {
+    /// Time in which motors follow a command, in s.
+    pub const MOTORS_S: f64 = 0.02;
+
     /// # Errors
     ///
     /// A lane that is too narrow for the errors at any speed.
@@ -67,8 +69,7 @@ impl Limits {
         let errors = Errors::new(body, settings, hold_s);
         let half_width_m = settings.lane.half_width_m;
         let room_m = MOST_OF_LANE * half_width_m;
-        let bend_mps = errors.bend_mps(path)?;
-        let agile_mps = errors.agile_mps().min(bend_mps);
+        let agile_mps = errors.agile_mps().min(errors.turning_mps(path)?);
         let full_mps = body.max_wheel_speed_mps.min(agile_mps);
         let margin_at_full_speed_m = errors.margin_m(full_mps);
         let at = |wheel_speed_mps| {
@@ -110,6 +111,17 @@ fn too_tight(bend_m: f64, noise_m: f64) -> Error {
     }
 }
 
+fn too_slow(body: &Body, needed_rad_s: f64, least_mps: f64) -> Error {
+    Error::DoesNotFit {
+        what: format!(
+            "the robot turns too slowly: for the tightest bend and the errors of headings and wheels that `hardening` states it has to turn by \
+             {needed_rad_s:.3} rad/s even with wheels at {least_mps:.3} m/s, and `max_turn_rate_rad_s` is {:.3}; state smaller `heading_noise_rad`, \
+             `wheel_error` or `max_pose_age_s`, or give the path rounder bends",
+            body.max_turn_rate_rad_s,
+        ),
+    }
+}
+
 fn too_narrow(half_width_m: f64, margin_m: f64, least_mps: f64) -> Error {
     Error::DoesNotFit {
         what: format!(
@@ -145,7 +157,7 @@ impl<'a> Errors<'a> {
             rates_1ps,
         };
         if errors.is_exponential() && settings.hardening.sampling_margin {
-            let decay = (hold_s + MOTORS_S) * (rates_1ps[0] + rates_1ps[1]);
+            let decay = (hold_s + Limits::MOTORS_S) * (rates_1ps[0] + rates_1ps[1]);
             let share = (MOST_DECAY / decay).min(1.0);
             errors.rates_1ps = rates_1ps.map(|rate| share * rate);
         }
@@ -167,8 +179,9 @@ impl<'a> Errors<'a> {
         across_mps2 / self.rates_1ps[0]
     }
 
-    /// The tightest bend is driven at what the turn rate allows.
-    fn bend_mps(&self, path: &Path) -> Result<f64, Error> {
+    /// What the turn rate allows: it is there for the tightest bend, for what wheels that are off turn the robot, and for undoing the
+    /// error of the heading as fast as rows ask for, `ω_max ≥ V κ + Δω + k1 Δψ`.
+    fn turning_mps(&self, path: &Path) -> Result<f64, Error> {
         let hardening = &self.settings.hardening;
         if !self.is_exponential() || !hardening.wheel_rows {
             return Ok(f64::INFINITY);
@@ -179,7 +192,19 @@ impl<'a> Errors<'a> {
         if usable_m <= noise_m.max(LEAST_BEND_M) {
             return Err(too_tight(usable_m / MOST_OF_BEND, noise_m));
         }
-        Ok(self.body.max_turn_rate_rad_s / path.max_curvature_1pm())
+        let [k1, _] = self.rates_1ps;
+        let age_s = hardening.max_pose_age_s.unwrap_or(0.0);
+        let wheels_1pm = 2.0 * hardening.wheel_error / self.body.wheel_base_m;
+        let by_speed_1pm =
+            path.max_curvature_1pm() + wheels_1pm * (1.0 + k1 * (age_s + self.hold_s));
+        let of_noise_rad_s = k1 * NOISE_PEAKS * hardening.heading_noise_rad;
+        let turning_mps = (self.body.max_turn_rate_rad_s - of_noise_rad_s) / by_speed_1pm;
+        let least_mps = LEAST_SPEED_SHARE * self.body.max_wheel_speed_mps;
+        if turning_mps < least_mps {
+            let needed_rad_s = of_noise_rad_s + by_speed_1pm * least_mps;
+            return Err(too_slow(self.body, needed_rad_s, least_mps));
+        }
+        Ok(turning_mps)
     }
 
     /// Whether the margin is more than what was set by hand.

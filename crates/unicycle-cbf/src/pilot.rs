@@ -3,8 +3,9 @@
 use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::{Brake, Decision, Outcome};
 use crate::path::PathPoint;
-use crate::pose::{Pose, Speeds, State};
+use crate::pose::{Pose, Speeds};
 use crate::predictor::{Predictor, StampedPose};
+use crate::track::Located;
 
 /// What one robot's controller remembers between steps.
 #[derive(Debug, Clone)]
@@ -50,7 +51,7 @@ pub struct Surroundings<'a> {
     /// Whom it follows
     pub ahead: Ahead,
     /// The others, the nearest first
-    pub others: &'a [State],
+    pub others: &'a [Located],
     /// How far it may go along the path, in m, where it gives way
     pub stop_line_m: Option<f64>,
 }
@@ -102,6 +103,7 @@ impl Pilot {
             leader: Leader {
                 state,
                 last_seen_m: [seen.x_m, seen.y_m],
+                near_m: None,
             },
             age_s: now_s - last.stamp_s,
         })

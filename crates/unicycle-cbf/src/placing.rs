@@ -1,16 +1,19 @@
 //! Where robots are on the path, and to each other.
 
+use std::f64::consts::PI;
+
 use crate::controller::Controller;
 use crate::crossing::Crossing;
+use crate::error::Error;
 use crate::lateral::Frenet;
-use crate::path::PathPoint;
 use crate::pose::State;
 use crate::settings::Distance;
+use crate::track::Located;
 
+/// Along the path two places are apart by more than half a circle of this diameter, in what is near: a bend is no crossing.
+const APART: f64 = PI;
 /// What bodies have beside each other at a crossing beyond what they need, in m.
 const BESIDE_M: f64 = 0.02;
-/// By how much more a robot heads along one branch than along another for that to be its own, as a cosine.
-const MORE_ALONG: f64 = 0.005;
 /// Share of the angle between two branches that the heading may be off, and the least angle for which that is asked for, in rad.
 const SHARE_OF_ANGLE: f64 = 0.45;
 const LEAST_ANGLE_RAD: f64 = 0.5;
@@ -23,13 +26,15 @@ impl Controller {
     }
 
     /// Where two branches meet, robots ahead are those ahead along the path.
-    pub(crate) fn find_crossings(&mut self) {
+    pub(crate) fn find_crossings(&mut self) -> Result<(), Error> {
         if !self.settings.hardening.regards_every_robot() {
-            return;
+            return Ok(());
         }
-        self.crossings = Crossing::all(self.path(), self.room_m());
+        let near_m = self.room_m();
+        self.crossings = Crossing::all(self.path(), near_m, APART * near_m)?;
+        self.meetings = self.meetings()?;
         if self.crossings.is_empty() {
-            return;
+            return Ok(());
         }
         self.settings.headway.distance = Distance::Path;
         let angles = self
@@ -39,6 +44,18 @@ impl Controller {
         let most = angles.filter(|angle| *angle >= LEAST_ANGLE_RAD);
         let course = &mut self.settings.hardening.max_course_angle_rad;
         *course = course.map(|course| most.fold(course, f64::min));
+        Ok(())
+    }
+
+    /// Where lanes of two branches have a place in common, or robots of both a crossing.
+    fn meetings(&self) -> Result<Vec<Crossing>, Error> {
+        let width_m = self.limits().half_width_m;
+        let near_m = 2.0 * width_m;
+        if near_m <= self.room_m() {
+            return Ok(self.crossings.clone());
+        }
+        let bend_m = 1.0 / self.path().max_curvature_1pm();
+        Crossing::all(self.path(), near_m, PI * width_m.max(bend_m))
     }
 
     /// From how far before a crossing a robot has to know whether it waits, in m.
@@ -70,52 +87,65 @@ impl Controller {
         self.standstill_m() + self.standing_margin_m() + BESIDE_M
     }
 
-    /// The foot of the point of interest on the path; where branches meet, on the one that goes where the robot heads.
-    #[must_use]
-    pub fn foot(&self, state: &State) -> PathPoint {
-        let foot = self.path().nearest(state.x_m, state.y_m);
-        let (sin, cos) = state.heading_rad.sin_cos();
-        let along = |point: &PathPoint| cos * point.tangent[0] + sin * point.tangent[1];
-        let mut best = foot;
-        for crossing in &self.crossings {
-            let [a, b] = &crossing.branches;
-            for (own, other) in [(a, b), (b, a)] {
-                if !own.contains(self.path(), foot.s_m) {
-                    continue;
-                }
-                let beside = self.path().nearest_within(other, state.x_m, state.y_m);
-                let is_in_lane = beside.deviation_m(state.x_m, state.y_m).abs()
-                    <= self.settings.lane.half_width_m;
-                if is_in_lane && along(&beside) > along(&best) + MORE_ALONG {
-                    best = beside;
-                }
-            }
-        }
-        best
-    }
-
-    pub(crate) fn frenet(&self, state: &State) -> Frenet {
-        Frenet::new(self.foot(state), self.body(), state)
+    pub(crate) fn frenet(&self, robot: &Located) -> Frenet {
+        let foot = self.foot_near(&robot.state, robot.near_m);
+        Frenet::new(foot, self.body(), &robot.state)
     }
 
     /// Where a robot is along the path, in m.
     #[must_use]
-    pub fn s_m(&self, state: &State) -> f64 {
-        self.foot(state).s_m
+    pub fn s_m(&self, robot: &Located) -> f64 {
+        self.foot_near(&robot.state, robot.near_m).s_m
     }
 
-    /// Whether a robot is behind another and keeps a headway to it: on a loop, where every robot is regarded, by less than half a lap.
+    /// Whether a robot is behind another and keeps a headway to it: where every robot is regarded, to one ahead, and on a loop by
+    /// less than half a lap.
     #[must_use]
-    pub fn follows(&self, state: &State, ahead: &State) -> bool {
-        self.follows_along(self.s_m(state), self.s_m(ahead))
+    pub fn follows(&self, robot: &Located, ahead: &Located) -> bool {
+        self.follows_along(self.s_m(robot), self.s_m(ahead))
     }
 
     /// The same of two places along the path, in m.
     #[must_use]
     pub fn follows_along(&self, s_m: f64, ahead_m: f64) -> bool {
-        let every_robot = self.settings.hardening.regards_every_robot();
-        let length_m = self.path().length_m().filter(|_| every_robot);
-        length_m.is_none_or(|length_m| self.path().distance_along_m(s_m, ahead_m) < 0.5 * length_m)
+        if !self.settings.hardening.regards_every_robot() {
+            return true;
+        }
+        let most_m = self
+            .path()
+            .length_m()
+            .map_or(f64::INFINITY, |lap_m| 0.5 * lap_m);
+        (0.0..most_m).contains(&self.path().distance_along_m(s_m, ahead_m))
+    }
+
+    /// How far another robot is ahead along the path, in m, if it is: on a loop by less than half a lap.
+    pub(crate) fn ahead_m(&self, own: &Located, other: &Located) -> Option<f64> {
+        let ahead_m = self.path().distance_along_m(own.near_m?, other.near_m?);
+        (ahead_m > 0.0 && self.follows_along(own.near_m?, other.near_m?)).then_some(ahead_m)
+    }
+
+    /// Whom of some others a robot follows: of those ahead along the path, on a loop by less than half a lap, the next, or one beside that
+    /// in the lane to which the chord is shorter where headway is a chord.
+    #[must_use]
+    pub fn leader(
+        &self,
+        own: &Located,
+        others: impl Iterator<Item = (usize, Option<Located>)> + Clone,
+    ) -> Option<usize> {
+        let ahead = others.filter_map(|(robot, other)| {
+            let other = other?;
+            let ahead_m = self.ahead_m(own, &other)?;
+            Some((ahead_m, square_m2(own, &other), robot))
+        });
+        let next = ahead.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if self.settings.headway.distance == Distance::Path {
+            return Some(next.2);
+        }
+        let most_m = next.0 + 2.0 * self.settings.lane.half_width_m;
+        let beside = ahead.filter(|other| other.0 <= most_m);
+        beside
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|other| other.2)
     }
 
     /// What has to lie between the middles of the axles of two robots, in m: both radii and the clearance.
@@ -123,4 +153,8 @@ impl Controller {
     pub fn least_distance_m(&self) -> f64 {
         2.0 * self.body().radius_m() + self.settings.headway.clearance_m
     }
+}
+
+fn square_m2(own: &Located, other: &Located) -> f64 {
+    (own.state.x_m - other.state.x_m).powi(2) + (own.state.y_m - other.state.y_m).powi(2)
 }

@@ -32,7 +32,7 @@ use scaled::{FEASIBILITY, Scaled, dot, norm};
 pub const VARIABLES: usize = 5;
 
 /// Most rows that [`solve`] takes.
-pub const MAX_ROWS: usize = 20;
+pub const MAX_ROWS: usize = 25;
 
 /// A normal is a combination of others up to here, relative to the sum of the factors in it.
 const ROUND_OFF: f64 = 32.0 * f64::EPSILON;

@@ -22,6 +22,8 @@ pub enum RowKind {
     HeadwayStopped,
     /// Distance between the bodies of two robots
     Apart,
+    /// How fast the points of two robots of which one follows the other come nearer to each other
+    Point,
     /// The way along the path to where a robot waits for one on another branch
     GiveWay,
     /// Both edges of the lane
@@ -68,6 +70,7 @@ impl RowKind {
             Self::Headway => "headway",
             Self::HeadwayStopped => "headway-stopped",
             Self::Apart => "apart",
+            Self::Point => "point",
             Self::GiveWay => "give-way",
             Self::Lane => "lane",
             Self::LaneRight => "lane-right",
@@ -126,15 +129,37 @@ impl Rows {
 
     /// `L_g V · u − δ ≤ −L_f V − c V` (3.6) with the slack in its own slot.
     pub(crate) fn lyapunov(&mut self, kind: RowKind, slack: usize, v: &Lie, rate_1ps: f64) {
+        let Row { a, b } = Self::lyapunov_row(slack, v, rate_1ps);
+        self.push(kind, a, b);
+    }
+
+    pub(crate) fn lyapunov_row(slack: usize, v: &Lie, rate_1ps: f64) -> Row {
         let mut a = [v.lg[0], v.lg[1], 0.0, 0.0, 0.0];
         a[2 + slack] = -1.0;
-        self.push(kind, a, -v.lf - rate_1ps * v.value);
+        Row {
+            a,
+            b: -v.lf - rate_1ps * v.value,
+        }
     }
 
     /// `−L_g h · u ≤ L_f h + γ (h − margin)`
     pub(crate) fn barrier(&mut self, kind: RowKind, h: &Lie, rate_1ps: f64, margin: f64) {
         let a = [-h.lg[0], -h.lg[1], 0.0, 0.0, 0.0];
         self.push(kind, a, h.lf + rate_1ps * (h.value - margin));
+    }
+
+    /// The same, but no more than a force asks for.
+    pub(crate) fn barrier_up_to(
+        &mut self,
+        kind: RowKind,
+        h: &Lie,
+        rate_1ps: f64,
+        margin: f64,
+        force_n: f64,
+    ) {
+        let a = [-h.lg[0], -h.lg[1], 0.0, 0.0, 0.0];
+        let b = h.lf + rate_1ps * (h.value - margin);
+        self.push(kind, a, b.max(-h.lg[0] * force_n));
     }
 
     /// (2.17) as printed, `L_f h + L_g h · u ≤ γ h`: it limits how fast `h` may grow, and lets it fall.
@@ -153,6 +178,15 @@ impl Rows {
     pub(crate) fn at_most(&mut self, kind: RowKind, quantity: Affine, limit: f64) {
         let [force, torque] = quantity.control;
         self.push(kind, [force, torque, 0.0, 0.0, 0.0], limit - quantity.drift);
+    }
+
+    /// Another row in place of those of a kind.
+    pub(crate) fn replace(&mut self, kind: RowKind, row: Row) {
+        for (own, place) in self.kinds.iter().zip(&mut self.rows).take(self.count) {
+            if *own == kind {
+                *place = row;
+            }
+        }
     }
 
     /// The rows in order.

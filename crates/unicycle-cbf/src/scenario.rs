@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::controller::{Controller, Objectives, Tracking};
 use crate::error::Error;
 use crate::lateral::Deviation;
-use crate::path::Path;
+use crate::path::{Path, PathPoint};
 use crate::pose::{Pose, Speeds};
 use crate::settings::{ControllerSettings, Literal};
 use crate::unicycle::Body;
@@ -119,6 +119,7 @@ impl Scenario {
     ///
     /// The first number out of its range, or robots that cannot start where they shall.
     pub fn new(mut spec: ScenarioSpec) -> Result<Self, Error> {
+        spec.check_units()?;
         Error::within("rate_hz", spec.rate_hz, 1.0, 1000.0)?;
         Error::within("duration_s", spec.duration_s, 1.0 / spec.rate_hz, 86_400.0)?;
         let path = spec.path.path()?;
@@ -361,13 +362,17 @@ impl RobotSpec {
         }
     }
 
-    /// The pose of the axle whose point of interest starts on the path, or beside it, in the path's direction. On a polar path
-    /// revolutions are angles.
-    fn start_pose(&self, controller: &Controller) -> Pose {
-        let foot = match controller.path() {
+    /// Where its foot starts. On a polar path revolutions are angles.
+    pub(crate) fn start_foot(&self, controller: &Controller) -> PathPoint {
+        match controller.path() {
             Path::Polar(path) => path.at_angle(self.start * std::f64::consts::TAU),
             path => path.at(self.start * path.length_m().unwrap_or(1.0)),
-        };
+        }
+    }
+
+    /// The pose of the axle whose point of interest starts on the path, or beside it, in the path's direction.
+    fn start_pose(&self, controller: &Controller) -> Pose {
+        let foot = self.start_foot(controller);
         let ([nx, ny], [tx, ty]) = (foot.normal(), foot.tangent);
         let back_m = controller.body().offset_m;
         Pose {

@@ -1,19 +1,21 @@
 //! Whether robots can start where they shall.
 
 use crate::error::Error;
-use crate::pose::{Pose, Speeds, State};
+use crate::pose::Speeds;
 use crate::scenario::Scenario;
+use crate::track::Located;
 
 impl Scenario {
+    /// Where a robot starts along the path, in m.
+    #[must_use]
+    pub fn start_m(&self, robot: usize) -> f64 {
+        self.spec().robots[robot].start_foot(self.controller()).s_m
+    }
+
     pub(crate) fn check_order(&self) -> Result<(), Error> {
         let path = self.controller().path();
-        let offset_m = self.controller().body().offset_m;
-        for (robot, pair) in self.starts().windows(2).enumerate() {
-            let [ahead, behind] = pair else { continue };
-            let place = |pose: &Pose| pose.state(offset_m, Speeds::ZERO);
-            let (ahead, behind) = (place(ahead), place(behind));
-            let s_m = |state: &State| self.controller().s_m(state);
-            let gap_m = path.distance_along_m(s_m(&behind), s_m(&ahead));
+        for robot in 0..self.starts().len().saturating_sub(1) {
+            let gap_m = path.distance_along_m(self.start_m(robot + 1), self.start_m(robot));
             if gap_m > 0.0 {
                 continue;
             }
@@ -34,21 +36,18 @@ impl Scenario {
         if !controller.settings().hardening.regards_every_robot() {
             return self.check_bodies();
         }
-        let state = |pose: &Pose| pose.state(controller.body().offset_m, Speeds::ZERO);
-        let moving = |robot: usize, pose: &Pose| {
-            pose.state(controller.body().offset_m, self.initial_speeds(robot))
+        let start = |robot: usize, speeds: Speeds| Located {
+            state: self.starts()[robot].state(controller.body().offset_m, speeds),
+            near_m: Some(self.start_m(robot)),
         };
         for (robot, own) in self.starts().iter().enumerate() {
             for (other, place) in self.starts()[..robot].iter().enumerate() {
                 let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
                 let least_m = controller.least_distance_m();
-                let headway_m = (other + 1 == robot
-                    && controller.follows(&state(own), &state(place)))
-                .then(|| {
-                    controller
-                        .headway(&moving(robot, own), &state(place), None)
-                        .value
-                });
+                let ahead = start(other, Speeds::ZERO);
+                let moving = start(robot, self.initial_speeds(robot));
+                let headway_m = (other + 1 == robot && controller.follows(&moving, &ahead))
+                    .then(|| controller.headway(&moving, &ahead, None).value);
                 if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
                     continue;
                 }

@@ -1,12 +1,13 @@
 //! From a state to the functions and rows of its program.
 
-use crate::cbf::{self, Axle, LaneBarrier, LaneBarriers};
+use crate::cbf::{self, LaneBarrier, LaneBarriers};
 use crate::clf;
-use crate::controller::{Around, Controller, Leader, Objectives};
+use crate::controller::{Around, Controller, Objectives};
 use crate::decision::Terms;
 use crate::lateral::{Deviation, Frenet, Lateral, radial};
 use crate::lie::Lie;
-use crate::margin::{self, Moment};
+use crate::margin::Moment;
+use crate::others::Own;
 use crate::path::Path;
 use crate::pose::State;
 use crate::qp::Solution;
@@ -18,11 +19,6 @@ use crate::unicycle::Affine;
 const DIRECTION_RATES_1PS: [f64; 2] = [4.0, 4.0];
 /// The largest angle to the path of a robot that goes backwards, in rad: there a point ahead of the axle does not align by itself.
 const BACKWARDS_ANGLE_RAD: f64 = 0.5;
-/// Robots whose bodies have a row, that of the robot ahead among them.
-const MOST_BODIES: usize = 5;
-/// The time that the barrier between bodies allows for, in s, and in periods at least.
-const BODY_TIME_S: f64 = 0.5;
-const BODY_PERIODS: f64 = 4.0;
 
 impl Controller {
     pub(crate) fn terms(
@@ -32,17 +28,16 @@ impl Controller {
         objectives: &Objectives,
         age_s: f64,
     ) -> Terms {
-        let leader = around.leader;
         let settings = self.settings();
         let unsigned = settings.is_literal(Literal::UnsignedAngleRate);
         let frenet = self
-            .needs_frenet()
+            .needs_foot()
             .then(|| around.foot.unwrap_or_else(|| self.foot(state)))
             .map(|foot| Frenet::new(foot, self.body(), state));
         let tracked = match (self.path(), &frenet) {
             (Path::Polar(path), _) => radial(path, self.body(), state, unsigned),
             (_, Some(frenet)) => frenet.lateral(),
-            (_, None) => self.frenet(state).lateral(),
+            (_, None) => self.frenet(&(*state).into()).lateral(),
         };
         let lateral = match (&frenet, settings.lane.deviation) {
             (Some(frenet), Deviation::Frenet) => frenet.lateral(),
@@ -55,24 +50,12 @@ impl Controller {
         ];
         let moment = self.moment(age_s);
         let mut rows = self.lyapunov_rows(&lyapunov, objectives);
-        let headway = leader
-            .map(|leader| self.headway_rows(&mut rows, state, leader, frenet.as_ref(), &moment));
-        if settings.hardening.regards_every_robot() {
-            let leader = leader.map(|leader| leader.state);
-            let axle = Axle::new(self.body(), state);
-            let near = |other: &&State| self.reaches(state, other);
-            for other in leader
-                .iter()
-                .chain(around.others)
-                .take(MOST_BODIES)
-                .filter(near)
-            {
-                self.body_row(&mut rows, [state, other], &axle, frenet.as_ref(), &moment);
-            }
-        }
-        if let (Some(line_m), Some(frenet)) = (around.stop_line_m, &frenet) {
-            self.give_way_row(&mut rows, state, frenet, line_m, &moment);
-        }
+        let own = Own {
+            state,
+            frenet: frenet.as_ref(),
+            moment,
+        };
+        let headway = self.rows_for_others(&mut rows, &own, around);
         let taken_m = settings.lane.half_width_m - self.limits().half_width_m;
         self.lane_rows(&mut rows, &lateral, taken_m);
         let direction = self.direction(state, frenet.as_ref());
@@ -93,7 +76,9 @@ impl Controller {
         }
     }
 
-    fn needs_frenet(&self) -> bool {
+    /// Whether decisions need the foot on the path.
+    #[must_use]
+    pub fn needs_foot(&self) -> bool {
         let settings = self.settings();
         !matches!(self.path(), Path::Polar(_))
             || settings.lane.deviation == Deviation::Frenet
@@ -111,7 +96,7 @@ impl Controller {
         Some(cbf::direction(&course, angle_rad, DIRECTION_RATES_1PS[0]))
     }
 
-    fn moment(&self, age_s: f64) -> Moment {
+    pub(crate) fn moment(&self, age_s: f64) -> Moment {
         Moment {
             hold_s: self.hold_s(),
             age_s,
@@ -129,179 +114,6 @@ impl Controller {
             rows.lyapunov(RowKind::Tracking, 2, path, tracking.rate_1ps);
         }
         rows
-    }
-
-    pub(crate) fn headway(&self, state: &State, leader: &State, frenet: Option<&Frenet>) -> Lie {
-        let settings = &self.settings().headway;
-        if settings.distance == Distance::Path {
-            let own = frenet.map_or_else(|| self.frenet(state).progress(), Frenet::progress);
-            let ahead = self.frenet(leader).progress();
-            let distance_m = self.path().distance_along_m(own.s_m, ahead.s_m);
-            let opening = ahead.rate_mps - own.rate_mps;
-            let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
-            return cbf::spaced(
-                self.body(),
-                state,
-                distance_m,
-                opening,
-                time_s,
-                standstill_m,
-            );
-        }
-        let velocity = if self.settings().is_literal(Literal::IgnoredLeader) {
-            [0.0; 2]
-        } else {
-            leader.velocity_mps(self.body().offset_m)
-        };
-        let place = [leader.x_m, leader.y_m];
-        let (time_s, standstill_m) = (settings.time_s, self.standstill_m());
-        cbf::headway(self.body(), state, place, velocity, time_s, standstill_m)
-    }
-
-    fn headway_rows(
-        &self,
-        rows: &mut Rows,
-        state: &State,
-        leader: &Leader,
-        frenet: Option<&Frenet>,
-        moment: &Moment,
-    ) -> Lie {
-        let settings = self.settings();
-        let rate_1ps = settings.headway.rate_1ps;
-        let (leader_mps, time_s) = (leader.state.speed_mps, settings.headway.time_s);
-        let margin_m = margin::headway_m(settings, moment, state, leader_mps, time_s);
-        let h = self.headway(state, &leader.state, frenet);
-        if settings.is_literal(Literal::BarrierSign) {
-            rows.barrier_as_printed(RowKind::Headway, &h, rate_1ps, margin_m);
-        } else {
-            rows.barrier(RowKind::Headway, &h, rate_1ps, margin_m);
-        }
-        if settings.hardening.cautious_leader {
-            let [x_m, y_m] = leader.last_seen_m;
-            let stopped = State {
-                x_m,
-                y_m,
-                speed_mps: 0.0,
-                turn_rate_rad_s: 0.0,
-                ..leader.state
-            };
-            let stopped = self.headway(state, &stopped, frenet);
-            rows.barrier(RowKind::HeadwayStopped, &stopped, rate_1ps, margin_m);
-        }
-        h
-    }
-
-    /// Along the path the offsets of two points of interest cancel, so that bodies are apart there by what their points are.
-    pub(crate) fn standstill_m(&self) -> f64 {
-        let standstill_m = self.settings().headway.standstill_m;
-        if self.settings().hardening.regards_every_robot() {
-            standstill_m.max(self.least_distance_m())
-        } else {
-            standstill_m
-        }
-    }
-
-    fn body_row(
-        &self,
-        rows: &mut Rows,
-        [state, other]: [&State; 2],
-        axle: &Axle,
-        frenet: Option<&Frenet>,
-        moment: &Moment,
-    ) {
-        let settings = self.settings();
-        let time_s = self.body_time_s();
-        let margin_m = margin::headway_m(settings, moment, state, other.speed_mps, time_s);
-        let other_axle = Axle::new(self.body(), other);
-        let apart = |least_m: f64| cbf::apart(self.body(), axle, &other_axle, time_s, least_m);
-        let mut h = apart(self.least_distance_m());
-        // Only what is near is worth a search of its place along the path.
-        let is_near = h.value < 2.0 * self.body().offset_m + self.room_m();
-        let backwards = frenet.filter(|_| is_near && state.speed_mps < 0.0);
-        let behind = backwards.and_then(|frenet| self.behind(state, frenet, other, time_s));
-        if let Some(behind) = behind {
-            let points = apart(self.standstill_m() + self.between_points_m(state, other));
-            h = if behind.value < points.value {
-                behind
-            } else {
-                points
-            };
-        }
-        rows.barrier(RowKind::Apart, &h, settings.headway.rate_1ps, margin_m);
-    }
-
-    /// `h = D − D0 + T v` to a robot behind, along the path: whoever goes backwards leaves it its headway. Where that one measures a
-    /// chord it is never the smaller one.
-    fn behind(&self, state: &State, frenet: &Frenet, other: &State, time_s: f64) -> Option<Lie> {
-        let (own, behind) = (frenet.progress(), self.frenet(other).progress());
-        let distance_m = self.path().distance_along_m(behind.s_m, own.s_m);
-        if distance_m <= 0.0 || !self.follows_along(behind.s_m, own.s_m) {
-            return None;
-        }
-        let along = self.settings().headway.distance == Distance::Path;
-        let (body, standstill_m) = (self.body(), self.standstill_m());
-        let distance_m = if along { distance_m } else { f64::INFINITY };
-        let opening_mps = own.rate_mps - behind.rate_mps;
-        Some(cbf::spaced(
-            body,
-            state,
-            distance_m,
-            opening_mps,
-            -time_s,
-            standstill_m,
-        ))
-    }
-
-    /// `h = s_line − s − T v cos θ`, as if a robot stood beyond the line.
-    fn give_way_row(
-        &self,
-        rows: &mut Rows,
-        state: &State,
-        frenet: &Frenet,
-        line_m: f64,
-        moment: &Moment,
-    ) {
-        let settings = self.settings();
-        let time_s = self.body_time_s();
-        let margin_m = margin::headway_m(settings, moment, state, 0.0, time_s);
-        let progress = frenet.progress();
-        // Whoever is too near to the line stands, and does not back off.
-        let line_m = line_m.max(margin_m);
-        let h = cbf::spaced(self.body(), state, line_m, -progress.rate_mps, time_s, 0.0);
-        rows.barrier(RowKind::GiveWay, &h, settings.headway.rate_1ps, margin_m);
-    }
-
-    /// What margins take of the distance between two robots that stand, in m.
-    pub(crate) fn standing_margin_m(&self) -> f64 {
-        self.margin_at_m(0.0)
-    }
-
-    /// The same of two robots at a speed.
-    pub(crate) fn margin_at_m(&self, speed_mps: f64) -> f64 {
-        let moment = self.moment(0.0);
-        let state = State {
-            speed_mps,
-            ..State::ORIGIN
-        };
-        margin::headway_m(
-            self.settings(),
-            &moment,
-            &state,
-            speed_mps,
-            self.body_time_s(),
-        )
-    }
-
-    /// The time that barriers between bodies allow for, in s.
-    pub(crate) fn body_time_s(&self) -> f64 {
-        BODY_TIME_S.max(BODY_PERIODS * self.hold_s())
-    }
-
-    /// By how much two points of interest can be nearer to each other than the axles, in m: whoever follows keeps its headway from
-    /// point to point.
-    fn between_points_m(&self, state: &State, other: &State) -> f64 {
-        let turn_rad = other.heading_rad - state.heading_rad;
-        2.0 * self.body().offset_m * (0.5 * turn_rad).sin().abs()
     }
 
     pub(crate) fn lane_barriers(&self, lateral: &Lateral, margin_m: f64) -> LaneBarriers {
@@ -329,16 +141,25 @@ impl Controller {
         }
     }
 
-    /// Wheel speeds and turn rate of the next command stay within the limits, and wheels change no faster than they may: linear in the
-    /// inputs but for the change of `ω²` within the period.
-    fn wheel_rows(&self, rows: &mut Rows, state: &State) {
+    /// Speed and turn rate after the period.
+    pub(crate) fn next_speeds(&self, state: &State) -> [Affine; 2] {
         let body = self.body();
         let change = body.acceleration(state.turn_rate_rad_s);
-        let speed = change.combined(self.hold_s(), change, 0.0, state.speed_mps);
         let turn = Affine {
             drift: state.turn_rate_rad_s,
             control: [0.0, self.hold_s() / body.inertia_kgm2],
         };
+        [
+            change.combined(self.hold_s(), change, 0.0, state.speed_mps),
+            turn,
+        ]
+    }
+
+    /// Wheel speeds and turn rate of the next command stay within the limits, and wheels change no faster than they may: linear in the
+    /// inputs but for the change of `ω²` within the period.
+    fn wheel_rows(&self, rows: &mut Rows, state: &State) {
+        let body = self.body();
+        let [speed, turn] = self.next_speeds(state);
         let half_m = 0.5 * body.wheel_base_m;
         let wheels = body.wheel_speeds(state.speeds());
         let [right, left] = [wheels.right_mps, wheels.left_mps];

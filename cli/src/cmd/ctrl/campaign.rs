@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
+use super::beyond;
 use super::check;
+use super::files::FileInputs;
 use super::scenario::{Disturbance, PresetName, TestbedName};
 use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
@@ -14,7 +16,8 @@ use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, SettingsOf, Tally, Violation};
+use testbed_io::{Campaign, CampaignReport, Disturbances, Group, SettingsOf, Tally, Violation};
+use unicycle_cbf::{Demands, Scenario};
 
 /// Thousands of seeded runs under disturbances, and which of them were unsafe
 ///
@@ -102,7 +105,8 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
         refused,
         violations: violations.map(|v| Listed::new(v, args.duration)).collect(),
     };
-    let mut document = Document::new("ctrl-campaign", args, &[], body);
+    let inputs = FileInputs::read(campaign_files(&campaign))?;
+    let mut document = Document::new("ctrl-campaign", args, &inputs, body);
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = report::CAMPAIGN.filled(&serde_json::to_value(&document)?);
@@ -136,8 +140,14 @@ impl CampaignArgs {
                     scenario: named.name,
                     reason,
                 }),
+                Ok(Ok(scenario)) => {
+                    if let Some(text) = self.beyond(&scenario) {
+                        output::note(context, &format!("{}: {text}", named.name));
+                    }
+                    scenarios.push(named);
+                }
                 // Other errors are those of the campaign itself, by name.
-                _ => scenarios.push(named),
+                Err(_) => scenarios.push(named),
             }
         }
         let campaign = Campaign {
@@ -149,6 +159,32 @@ impl CampaignArgs {
         };
         Ok((campaign, refused))
     }
+}
+
+impl CampaignArgs {
+    /// A note where disturbances are larger than a scenario states.
+    fn beyond(&self, scenario: &Scenario) -> Option<String> {
+        let demands = Demands::new(scenario);
+        let stated = &scenario.spec().controller.hardening;
+        let mut groups = self.disturb.iter().map(|name| Group::from(*name));
+        groups.find_map(|group| beyond::note(&Disturbances::HARD.only(group), stated, &demands))
+    }
+}
+
+/// Each file once, also where it is run with several presets.
+fn campaign_files(campaign: &Campaign) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for named in campaign
+        .scenarios
+        .iter()
+        .filter(|named| is_path(&named.name))
+    {
+        let file = PathBuf::from(&named.name);
+        if !files.contains(&file) {
+            files.push(file);
+        }
+    }
+    files
 }
 
 /// Of each run, if all are as long.

@@ -3,6 +3,8 @@ use clap::Args;
 use serde::Serialize;
 use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
 
+use super::beyond;
+use super::files::FileInputs;
 use super::guards;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
@@ -64,6 +66,8 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     };
     let demands = Demands::new(&scenario);
     let mut notes = notes(spec, &demands);
+    let stated = &spec.controller.hardening;
+    notes.extend(beyond::note(&named.spec.disturbances, stated, &demands));
     if !demands.is_guaranteed {
         notes.extend(guards::missing(&spec.controller));
     }
@@ -74,7 +78,8 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
         notes,
         demands,
     };
-    let mut document = Document::new("ctrl-check", args, &[], body);
+    let inputs = FileInputs::read(args.scenario.files())?;
+    let mut document = Document::new("ctrl-check", args, &inputs, body);
     let outcome = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
@@ -95,7 +100,8 @@ fn refuse(
         fits: false,
         reason,
     };
-    let mut document = Document::new("ctrl-check", args, &[], body);
+    let inputs = FileInputs::read(args.scenario.files())?;
+    let mut document = Document::new("ctrl-check", args, &inputs, body);
     document.judged(&args.require)?;
     match context.format {
         Format::Text => output::print_text(&text),
@@ -134,7 +140,7 @@ pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
     let agile_mps = demands.agile_wheel_speed_mps;
     if let Some(agile_mps) = agile_mps.filter(|mps| *mps < demands.wheel_limit_mps) {
         notes.push(format!(
-            "wheels that change their speed by {} m/s² and a turn rate of {} rad/s turn the robot fast enough for this lane and its bends up to {} m/s, and not at {} m/s",
+            "wheels that change their speed by {} m/s² and a turn rate of {} rad/s turn the robot fast enough for this lane, its bends and the stated errors up to {} m/s, and not at {} m/s",
             number(body.wheel_acceleration_mps2(), 2),
             number(body.max_turn_rate_rad_s, 2),
             number(agile_mps, 3),

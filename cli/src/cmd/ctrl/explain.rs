@@ -9,6 +9,7 @@ use unicycle_cbf::{
     Controller, Decision, Deviation, Leader, Lie, Outcome as Rung, RowKind, Scenario, State,
 };
 
+use super::files::FileInputs;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -77,7 +78,10 @@ pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outco
         .map(|state| Explained::new(&scenario, state))
         .collect::<anyhow::Result<_>>()?;
     let braking = explained.iter().any(|e| e.braking.is_some());
-    let mut document = Document::new("ctrl-explain", args, &[], Body { states: explained });
+    let files = args.scenario.files().chain([args.state.clone()]);
+    let inputs = FileInputs::read(files)?;
+    let body = Body { states: explained };
+    let mut document = Document::new("ctrl-explain", args, &inputs, body);
     let outcome = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,

@@ -271,7 +271,7 @@ impl Notes {
 }
 
 /// The journal beside a run log: `run.partial.csv` for `run.mcap`. It stays if the program is killed.
-fn partial(log: &Path) -> PathBuf {
+pub(crate) fn partial(log: &Path) -> PathBuf {
     log.with_extension("partial.csv")
 }
 

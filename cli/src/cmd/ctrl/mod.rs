@@ -1,13 +1,16 @@
 //! Robots: scenarios in simulation, run logs once more, campaigns, and single states explained.
 
+mod beyond;
 mod campaign;
 mod check;
 mod explain;
+pub(crate) mod files;
 mod guards;
 mod live;
 mod newest;
 mod replay;
 mod run;
+mod run_text;
 mod scenario;
 mod scenarios;
 

@@ -7,7 +7,9 @@ use testbed_io::recorded::{self, RecordingLayout};
 use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-use super::run::{forget_times, verdict, why_not_known};
+use super::files::FileInputs;
+use super::run::forget_times;
+use super::run_text::{verdict, why_not_known};
 use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -113,7 +115,8 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
             &format!("{} is cut off; what is whole was replayed", file.display()),
         );
     }
-    let mut document = Document::new("ctrl-replay", args, &[], body);
+    let inputs = FileInputs::read([file.to_owned()])?;
+    let mut document = Document::new("ctrl-replay", args, &inputs, body);
     let judged = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
@@ -231,7 +234,8 @@ fn beside(
         summary: &summary,
         r#loop: Timing::new(&ticks, scenario.controller().hold_s()),
     };
-    let mut document = Document::new("ctrl-replay", args, &[], body);
+    let inputs = FileInputs::read(args.scenario.iter().chain(files).cloned())?;
+    let mut document = Document::new("ctrl-replay", args, &inputs, body);
     let judged = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,

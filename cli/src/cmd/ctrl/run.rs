@@ -1,26 +1,26 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
 use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{
-    Disturbances, Event, LeastDistance, Run, RunSpec, Summary, Tick, Timing, Verdict,
-};
+use testbed_io::{Disturbances, Event, Run, RunSpec, Summary, Tick, Timing, Verdict};
 use unicycle_cbf::{Demands, Scenario};
 
+use super::beyond;
 use super::check;
+use super::files::FileInputs;
 use super::live::{self, LiveArgs};
+use super::run_text::{text, why_not_known};
 use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::numbers;
 use crate::output;
+use crate::places;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{Figures, RequireArgs};
-use crate::words::plural;
 
 /// Run a scenario on simulated robots, or with --live on real ones
 ///
@@ -76,6 +76,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     args.require
         .check(&Figures::new(include_str!("../../figures/ctrl-run.txt")))?;
     let named = args.named(context)?;
+    let inputs = args.inputs(&named)?;
     let scenario = match (&named.spec.link, check::fitting(&named.spec.scenario)) {
         (None, Ok(Err(reason))) => {
             output::note(context, &format!("not run, it does not fit: {reason}"));
@@ -85,7 +86,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
                     fits: false,
                     reason,
                 };
-                output::print_json(&Document::new("ctrl-run", args, &[], body))?;
+                output::print_json(&Document::new("ctrl-run", args, &inputs, body))?;
             }
             return Ok(Outcome::Negative);
         }
@@ -103,7 +104,11 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(&toml::to_string(&spec)?)?;
         return Ok(Outcome::Done);
     }
-    for note in check::notes(&named.spec.scenario, &Demands::new(&scenario)) {
+    let demands = Demands::new(&scenario);
+    let mut notes = check::notes(&named.spec.scenario, &demands);
+    let stated = &named.spec.scenario.controller.hardening;
+    notes.extend(beyond::note(&named.spec.disturbances, stated, &demands));
+    for note in notes {
         output::note(context, &note);
     }
     let format = args.output.as_deref().map(LogFormat::from_path);
@@ -111,7 +116,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     let ended = args.ended(&named.spec, &scenario, context)?;
     let told = args
         .save(&ended.run, context)
-        .and_then(|()| args.tell(&named, &scenario, &ended, context));
+        .and_then(|()| args.tell(&named, &inputs, &scenario, &ended, context));
     // Robots that may still move are worse than a file that cannot be written.
     let outcome = ended.outcome()?;
     let judged = told?;
@@ -122,11 +127,11 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
 }
 
 /// A run that is over, in simulation or on real robots.
-struct Ended {
+pub(super) struct Ended {
     run: Run,
-    summary: Summary,
-    timing: Timing,
-    live: Option<LiveReport>,
+    pub(super) summary: Summary,
+    pub(super) timing: Timing,
+    pub(super) live: Option<LiveReport>,
 }
 
 impl Ended {
@@ -144,17 +149,9 @@ impl Ended {
         }
     }
 
-    fn doubts(&self) -> &[String] {
+    pub(super) fn doubts(&self) -> &[String] {
         self.live.as_ref().map_or(&[], |live| &live.doubts)
     }
-}
-
-/// Why the verdict is not known.
-pub(super) fn why_not_known(doubts: &[String]) -> String {
-    if doubts.is_empty() {
-        return "no robot was seen".to_owned();
-    }
-    doubts.join("; ")
 }
 
 impl RunArgs {
@@ -213,6 +210,31 @@ impl RunArgs {
         })
     }
 
+    /// Scenario, path, link, and the run log whose poses a link plays; none of them is written.
+    fn inputs(&self, named: &Named) -> anyhow::Result<FileInputs> {
+        let link = named.spec.link.as_ref();
+        let recording = link.and_then(LinkSpec::recording).map(Path::to_owned);
+        let files = self.scenario.files().chain(self.live.live.clone());
+        let files: Vec<PathBuf> = files.chain(recording).collect();
+        for file in &files {
+            if let Some(report) = &self.report {
+                places::refuse_overwriting("--report", report, file)?;
+            }
+            if let Some(log) = &self.output {
+                places::refuse_overwriting("--output", log, file)?;
+                if link.is_some() {
+                    let journal = live::partial(log);
+                    places::refuse_overwriting(
+                        "--output, whose journal is beside it,",
+                        &journal,
+                        file,
+                    )?;
+                }
+            }
+        }
+        FileInputs::read(files)
+    }
+
     fn is_mcap(&self) -> bool {
         let format = self.output.as_deref().map(LogFormat::from_path);
         matches!(format, Some(Ok(LogFormat::Mcap)))
@@ -236,6 +258,7 @@ impl RunArgs {
     fn tell(
         &self,
         named: &Named,
+        inputs: &FileInputs,
         scenario: &Scenario,
         ended: &Ended,
         context: &Context,
@@ -245,7 +268,7 @@ impl RunArgs {
             body.figures = Some(figures(&named.spec, scenario, &ended.run)?);
             body.events = Event::all(scenario);
         }
-        let mut document = Document::new("ctrl-run", self, &[], body);
+        let mut document = Document::new("ctrl-run", self, inputs, body);
         let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
             let page = report::CONTROL.filled(&serde_json::to_value(&document)?);
@@ -336,99 +359,4 @@ impl<'a> Body<'a> {
             spec: &named.spec,
         }
     }
-}
-
-/// In words; `doubts` say why it is not known whether the run was safe.
-pub(super) fn verdict(summary: &Summary, doubts: &[String]) -> String {
-    match (summary.verdict, summary.first_unsafe_s) {
-        (Verdict::Safe, _) => {
-            "safe: no robot left its lane, touched another or came too close".to_owned()
-        }
-        (Verdict::Unsafe, Some(time_s)) => format!("UNSAFE from {time_s:.2} s on"),
-        (Verdict::Unsafe, None) => "UNSAFE".to_owned(),
-        (Verdict::NotKnown, _) => {
-            format!("NOT KNOWN whether it was safe: {}", why_not_known(doubts))
-        }
-    }
-}
-
-fn nearest(least: &LeastDistance) -> String {
-    let LeastDistance {
-        robots: [a, b],
-        at_s,
-        centres_m,
-        ..
-    } = least;
-    format!(
-        "mm; robots {a} and {b} at {at_s:.2} s, {:.1} between centres",
-        1e3 * centres_m
-    )
-}
-
-fn text(named: &Named, ended: &Ended) -> String {
-    let (summary, timing) = (&ended.summary, &ended.timing);
-    let scenario = &named.spec.scenario;
-    let mut table = Table::new(["figure", "value", "unit"]);
-    let mut row = |name: &str, value: String, unit: &str| {
-        table.row([name.to_owned(), value, unit.to_owned()]);
-    };
-    if let Some(least) = &summary.least_distance {
-        let gap = number(1e3 * least.gap_m, 1);
-        row("least distance between bodies", gap, &nearest(least));
-    }
-    row(
-        "least headway barrier",
-        number(summary.min_h_headway_m.map(|h| 1e3 * h), 1),
-        "mm",
-    );
-    row("least lane barrier", number(summary.min_h_lane, 4), "");
-    row(
-        "distance to the edge of the lane",
-        number(1e3 * summary.lane_clearance_m, 1),
-        "mm",
-    );
-    row(
-        "largest deviation from the path",
-        number(1e3 * summary.max_abs_lateral_m, 1),
-        "mm",
-    );
-    row("mean speed", number(summary.mean_speed_mps, 3), "m/s");
-    row(
-        "mean speed, last 5 s",
-        number(summary.final_speed_mps, 3),
-        "m/s",
-    );
-    row("steps, optimal", summary.outcomes.optimal.to_string(), "");
-    row("steps, relaxed", summary.outcomes.relaxed.to_string(), "");
-    row("steps, braking", summary.outcomes.braking.to_string(), "");
-    for (name, count) in [
-        (
-            "of these giving way at a crossing",
-            summary.outcomes.waiting,
-        ),
-        ("of these in a deadlock", summary.outcomes.deadlock),
-    ] {
-        if count > 0 {
-            row(name, count.to_string(), "");
-        }
-    }
-    row("median step", number(timing.median_us, 2), "µs");
-    row("99 % of steps within", number(timing.p99_us, 2), "µs");
-    if let Some(live) = &ended.live {
-        live::rows(live, &mut row);
-    }
-    let verdict = verdict(summary, ended.doubts());
-    let how = match &ended.live {
-        Some(live) => live::ending_text(&live.ending),
-        None => format!("seed {}", named.spec.seed),
-    };
-    format!(
-        "{} on {}, {}, {} at {} Hz, {how}\n\n{}\n{verdict}\n",
-        scenario.name,
-        scenario.testbed,
-        plural(scenario.robots.len(), "robot"),
-        plural(summary.steps, "step"),
-        scenario.rate_hz,
-        table.render()
-    )
 }

@@ -112,12 +112,20 @@ pub(crate) struct Named {
 }
 
 impl ScenarioArgs {
+    /// The files that the flags name.
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let scenario = self.is_file().then(|| PathBuf::from(&self.scenario));
+        scenario.into_iter().chain(self.path.clone())
+    }
+
+    fn is_file(&self) -> bool {
+        let extension = Path::new(&self.scenario).extension();
+        extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    }
+
     /// The scenario without disturbances, or what the file says.
     pub(crate) fn named(&self, default: PresetName) -> anyhow::Result<Named> {
-        let mut named = if Path::new(&self.scenario)
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-        {
+        let mut named = if self.is_file() {
             self.file()?
         } else {
             self.built_in(default)?

@@ -15,7 +15,7 @@ use super::starts;
 use super::watch::Watch;
 use crate::convoy::Convoy;
 use crate::error::Error;
-use crate::measured::{self, Measured};
+use crate::measured::Measured;
 use crate::sight::Doubt;
 use crate::summary::{Summarising, Summary};
 use crate::tick::{Tick, Watched};
@@ -328,9 +328,8 @@ impl<'a> Drive<'a> {
                 time_s,
                 seen: self.seen[robot],
                 decision,
-                truth: self.seen[robot].and_then(|_| {
-                    measured::truth(self.scenario, robot, decision.speeds, &self.measured)
-                }),
+                truth: self.seen[robot]
+                    .and_then(|_| self.judge.truth_of(robot, decision.speeds, &self.measured)),
                 watched: Some(watched),
                 step_us,
                 late_us: late_s * 1e6,

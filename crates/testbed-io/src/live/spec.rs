@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::net::SocketAddr;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
@@ -159,6 +160,15 @@ impl LinkSpec {
             PosesSpec::JsonUdp(spec) => spec.latency_s,
             PosesSpec::Program(spec) => spec.latency_s,
             PosesSpec::Recording(_) => 0.0,
+        }
+    }
+
+    /// The run log whose poses come once more.
+    #[must_use]
+    pub fn recording(&self) -> Option<&Path> {
+        match &self.poses {
+            PosesSpec::Recording(spec) => Some(&spec.file),
+            _ => None,
         }
     }
 

@@ -111,12 +111,8 @@ fn order(
     let offset_m = controller.body().offset_m;
     let [own, leader] = [own, leader].map(|seen| seen.pose.state(offset_m, Speeds::ZERO));
     let path = controller.path();
-    let ahead_m = path.distance_along_m(controller.s_m(&own), controller.s_m(&leader));
-    let [own_start, leader_start] = [robot, robot - 1].map(|robot| {
-        let start = &scenario.starts()[robot];
-        controller.s_m(&start.state(offset_m, Speeds::ZERO))
-    });
-    let planned_m = path.distance_along_m(own_start, leader_start);
+    let ahead_m = path.distance_along_m(controller.foot(&own).s_m, controller.foot(&leader).s_m);
+    let planned_m = path.distance_along_m(scenario.start_m(robot), scenario.start_m(robot - 1));
     let most_m = path.length_m().map_or(f64::INFINITY, |length_m| {
         0.5 * if planned_m > 0.5 * length_m {
             length_m + planned_m

@@ -1,6 +1,7 @@
 //! Scenarios of users' kind: each is refused with a reason, or safe under all that it states.
 
 mod generator;
+mod wide;
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 use testbed_io::{Simulation, Verdict};
 use unicycle_cbf::{Demands, Error, PathSpec, Scenario};
 
-use generator::drawn;
+use generator::Drawn;
 
 #[derive(Debug, Clone, PartialEq)]
 enum Outcome {
@@ -17,8 +18,7 @@ enum Outcome {
     Unsafe(String),
 }
 
-fn outcome(seed: u64) -> Outcome {
-    let drawn = drawn(seed);
+fn outcome(drawn: Drawn, seed: u64) -> Outcome {
     let scenario = match Scenario::new(drawn.spec) {
         Ok(scenario) => scenario,
         Err(error) if drawn.is_easy && !matches!(error, Error::Start { .. }) => {
@@ -63,15 +63,14 @@ fn kind(path: &PathSpec) -> &'static str {
 }
 
 /// `DRIVEKIT_RANDOM_SCENARIOS` sets how many and `DRIVEKIT_RANDOM_SEED` the first seed.
-#[test]
-fn random_scenarios_are_refused_with_a_reason_or_safe() {
+fn are_refused_or_safe(drawn: impl Fn(u64) -> Drawn + Sync, usual: u64) {
     let number =
         |name: &str, usual: u64| std::env::var(name).map_or(usual, |text| text.parse().unwrap());
-    let count = number("DRIVEKIT_RANDOM_SCENARIOS", 2000);
+    let count = number("DRIVEKIT_RANDOM_SCENARIOS", usual);
     let first = number("DRIVEKIT_RANDOM_SEED", 1);
     let outcomes: Vec<(u64, Outcome)> = (first..first + count)
         .into_par_iter()
-        .map(|seed| (seed, outcome(seed)))
+        .map(|seed| (seed, outcome(drawn(seed), seed)))
         .collect();
     let mut refused = BTreeMap::<String, usize>::new();
     let (mut slowed, mut driven, mut bad) = (0, 0, Vec::new());
@@ -89,6 +88,16 @@ fn random_scenarios_are_refused_with_a_reason_or_safe() {
         bad.len()
     );
     assert!(bad.is_empty(), "{}", bad.join("\n"));
+}
+
+#[test]
+fn random_scenarios_are_refused_with_a_reason_or_safe() {
+    are_refused_or_safe(generator::drawn, 2000);
+}
+
+#[test]
+fn crossings_and_overtaking_in_wide_lanes_are_refused_with_a_reason_or_safe() {
+    are_refused_or_safe(wide::drawn, 300);
 }
 
 /// Its first words, without numbers.

@@ -1,11 +1,15 @@
 //! What a run may not come to, whatever a scenario asks of its robots: bodies that touch, a lane that is left, wheels that jump.
 
+mod beside;
 mod bodies;
+mod branches;
+mod crowd;
 mod deadlock;
 mod lane;
 mod meeting;
 mod shared;
 mod stated;
+mod turning;
 mod wheels;
 
 use testbed_io::{Disturbances, RunSpec, Summary, Tick, Verdict};

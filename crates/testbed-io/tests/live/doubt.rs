@@ -257,6 +257,30 @@ fn robots_that_can_have_touched_unseen_are_not_called_safe() {
     assert_eq!(replay.doubts, [touch]);
 }
 
+/// At 1 Hz the session drives blindly most of the time, and cannot compare what robots do with what they are told.
+#[test]
+fn robots_that_are_seen_too_seldom_are_not_called_safe() {
+    let faults = Faults {
+        every_s: 1.0,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 6.0, faults);
+    driven.stays();
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    assert_eq!(summary.verdict, Verdict::NotKnown, "{summary:?}");
+    assert!(report.unseen_s.iter().all(|unseen_s| *unseen_s > 4.0));
+    let lane = "seen too seldom to know that it does as it is told";
+    assert!(
+        report.doubts.iter().any(|text| text.contains(lane)),
+        "{report:?}"
+    );
+    let replay = driven.replay();
+    assert_eq!(
+        (replay.verdict, &replay.doubts),
+        (Verdict::NotKnown, &report.doubts)
+    );
+}
+
 #[test]
 fn poses_that_say_for_long_that_a_robot_is_on_another_stop_both_and_the_verdict_is_not_known() {
     let faults = Faults {

@@ -32,6 +32,8 @@ pub struct Faults {
     pub held_up_s: [f64; 2],
     /// From when on the tracker says that the last robot is on the first
     pub on_first_after_s: f64,
+    /// Time between two poses of a robot, where they do not come at every step
+    pub every_s: f64,
 }
 
 impl Faults {
@@ -45,6 +47,7 @@ impl Faults {
         late_s: 0.0,
         held_up_s: [f64::INFINITY; 2],
         on_first_after_s: f64::INFINITY,
+        every_s: 0.0,
     };
 
     fn speeds(&self, body: &Body, command: &CommandLine) -> Speeds {
@@ -93,6 +96,8 @@ struct Robots {
     start: Instant,
     /// Poses on their way
     held: VecDeque<(f64, Vec<u8>)>,
+    /// When the next are due
+    due_s: f64,
 }
 
 impl Robots {
@@ -103,6 +108,10 @@ impl Robots {
 
     fn send(&mut self) {
         let now_s = self.start.elapsed().as_secs_f64();
+        if now_s < self.due_s {
+            return;
+        }
+        self.due_s = now_s + self.faults.every_s;
         let mut text = Vec::new();
         let mut poses = self.world.poses();
         if now_s >= self.faults.on_first_after_s {
@@ -170,6 +179,7 @@ pub fn start(spec: &ScenarioSpec, faults: Faults) -> (LinkSpec, World, JoinHandl
         listen,
         start: Instant::now(),
         held: VecDeque::new(),
+        due_s: 0.0,
     };
     let thread = std::thread::spawn(move || {
         let _moving = moving;

@@ -79,17 +79,13 @@ fn outside_the_lane_exponential_rows_still_steer() {
 
 #[test]
 fn contradicting_wheel_limits_brake() {
-    // Backward at full speed, and the robot ahead comes faster.
+    // It turns far faster than it may, and wheels do not slow down to that in a period.
     let controller = hardened();
-    let own = beside(&controller, 0.0, -0.31);
-    let (sin, cos) = own.heading_rad.sin_cos();
-    let at = Leader::known(State {
-        x_m: own.x_m + 0.01 * cos,
-        y_m: own.y_m + 0.01 * sin,
-        speed_mps: -5.0,
-        ..own
-    });
-    let decision = controller.decide(&own, Some(&at), &controller.objectives(0.2), 0.0);
+    let own = State {
+        turn_rate_rad_s: 20.0,
+        ..beside(&controller, 0.0, 0.3)
+    };
+    let decision = controller.decide(&own, None, &controller.objectives(0.2), 0.0);
     assert_eq!(
         decision.outcome,
         Outcome::Braking {
@@ -331,7 +327,7 @@ fn a_robot_more_than_half_a_lap_ahead_is_not_followed() {
         }
     };
     for (ahead, is_followed) in [(0.2, true), (0.45, true), (0.55, false), (0.97, false)] {
-        let safety = controller.safety_behind(&at(0.0), Some(&at(ahead)));
-        assert_eq!(safety.headway_m.is_some(), is_followed, "{ahead}");
+        let follows = controller.follows(&at(0.0).into(), &at(ahead).into());
+        assert_eq!(follows, is_followed, "{ahead}");
     }
 }

@@ -15,3 +15,5 @@ mod qp;
 mod reference;
 mod scenarios;
 mod states;
+mod tracks;
+mod units;

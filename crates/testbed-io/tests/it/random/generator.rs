@@ -19,30 +19,39 @@ pub(super) struct Drawn {
     pub(super) is_easy: bool,
 }
 
-struct Draw(ChaCha8Rng);
+pub(super) struct Draw(ChaCha8Rng);
 
 impl Draw {
-    fn between(&mut self, least: f64, most: f64) -> f64 {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    pub(super) fn whole(&mut self, least: usize, most: usize) -> usize {
+        self.0.random_range(least..=most)
+    }
+
+    pub(super) fn between(&mut self, least: f64, most: f64) -> f64 {
         least + (most - least) * self.0.random::<f64>()
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.random::<f64>() < share
     }
 
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(super) fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.0.random_range(0..choices.len())]
     }
 }
 
 pub(super) fn drawn(seed: u64) -> Drawn {
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let mut draw = Draw::new(seed);
     let body = body(&mut draw);
-    let robots = draw.0.random_range(1..=6_usize);
+    let robots = draw.whole(1, 6);
     let headway_s = draw.between(0.3, 2.0);
     let standstill_m = draw.between(0.0, 0.2);
     let radius_m = body.radius_m();
-    let gap_m = (2.0 * radius_m + 0.01).max(standstill_m) + draw.between(0.05, 0.4);
+    let least_m = (2.0 * radius_m + 0.01).max(standstill_m);
+    let gap_m = least_m + draw.between(0.05, 0.4);
     let round_m = 1.6 * gap_m * robots as f64;
     let path = path(&mut draw, radius_m, round_m);
     let half_width_m = draw.between(10.0_f64.ln(), 300.0_f64.ln()).exp() * 1e-3;
@@ -85,7 +94,7 @@ pub(super) fn drawn(seed: u64) -> Drawn {
         controller: Preset::Hardened.applied_to(&settings, &body),
         path: path.0,
         body,
-        robots: placed(&mut draw, fleet, gap_m, half_width_m, path.1),
+        robots: placed(&mut draw, fleet, [least_m, gap_m], half_width_m, path.1),
     };
     let hardening = &spec.controller.hardening;
     let disturbances = Disturbances {
@@ -116,7 +125,7 @@ fn body(draw: &mut Draw) -> Body {
                 wheel_base_m,
                 radius_m: draw.chance(0.5).then_some(0.5 * wheel_base_m + 0.02),
                 max_wheel_speed_mps: draw.between(0.15, 0.8),
-                max_turn_rate_rad_s: draw.between(1.5, 5.0),
+                max_turn_rate_rad_s: draw.between(0.2_f64.ln(), 5.0_f64.ln()).exp(),
                 max_wheel_acceleration_mps2: draw.chance(0.3).then_some(3.0),
             }
         }
@@ -164,7 +173,7 @@ fn path(draw: &mut Draw, radius_m: f64, round_m: f64) -> (PathSpec, Option<f64>)
             (polar, Some(TAU * mean_m))
         }
         2 | 3 => {
-            let count = draw.0.random_range(6..=14_usize);
+            let count = draw.whole(6, 14);
             let point = |corner: usize| {
                 let angle = TAU * corner as f64 / count as f64;
                 let r = mean_m * draw.between(0.75, 1.25);
@@ -198,7 +207,7 @@ fn fleet(draw: &mut Draw, robots: usize, most_mps: f64) -> (bool, Vec<RobotSpec>
             front_mps
         };
         let mut spec = RobotSpec::steady(0.0, speed_mps);
-        if robot == 0 && !front_slowest && draw.chance(0.5) {
+        if !front_slowest && draw.chance(if robot == 0 { 0.5 } else { 0.2 }) {
             let slower = draw.one_of(&[0.0, 0.3, -0.5, -1.0]);
             spec.desired_speed_mps
                 .push([draw.between(5.0, 12.0), slower * speed_mps]);
@@ -227,26 +236,27 @@ fn fleet(draw: &mut Draw, robots: usize, most_mps: f64) -> (bool, Vec<RobotSpec>
     (front_slowest, fleet)
 }
 
-/// From the back, at least a gap apart; on loops often all around.
+/// From the back, at least a gap apart, or hardly more than bodies need; on loops often all around.
 fn placed(
     draw: &mut Draw,
     mut fleet: Vec<RobotSpec>,
-    gap_m: f64,
+    [least_m, gap_m]: [f64; 2],
     half_width_m: f64,
     length_m: Option<f64>,
 ) -> Vec<RobotSpec> {
-    let around = draw.chance(0.3);
+    let (around, crowded) = (draw.chance(0.3), draw.chance(0.2));
     let count = fleet.len() as f64;
     let mut at_m = 0.0;
     for robot in fleet.iter_mut().rev() {
         robot.start = length_m.map_or(at_m, |length_m| at_m / length_m);
         robot.start_deviation_m = if draw.chance(0.2) {
-            half_width_m * draw.between(-0.15, 0.15)
+            half_width_m * draw.between(-0.4, 0.4)
         } else {
             0.0
         };
         at_m += match length_m {
             Some(length_m) if around => length_m / count,
+            _ if crowded => least_m + draw.between(0.02, 0.05),
             _ => gap_m * draw.between(1.1, 1.5),
         };
     }
