@@ -2,6 +2,9 @@
 
 use unicycle_cbf::{Error, PathSpec, Preset, Scenario, ScenarioSpec, Testbed};
 
+/// What is changed in a scenario.
+type Change = fn(&mut ScenarioSpec);
+
 fn straight() -> ScenarioSpec {
     let testbed = Testbed::Khepera;
     testbed.scenario("straight", Preset::Hardened).unwrap()
@@ -20,7 +23,7 @@ fn refused(mut spec: ScenarioSpec, change: fn(&mut ScenarioSpec)) -> String {
 
 #[test]
 fn lengths_in_millimetres_are_refused() {
-    let cases: [(&str, fn(&mut ScenarioSpec)); 12] = [
+    let cases: [(&str, Change); 12] = [
         ("body.wheel_base_m", |spec| spec.body.wheel_base_m = 88.5),
         ("body.offset_m", |spec| spec.body.offset_m = 50.0),
         ("body.radius_m", |spec| spec.body.radius_m = Some(65.0)),
@@ -72,7 +75,7 @@ fn angles_in_degrees_are_refused() {
             heading_rad: 90.0,
         };
     };
-    let cases: [(&str, fn(&mut ScenarioSpec)); 4] = [
+    let cases: [(&str, Change); 4] = [
         ("path.heading_rad", heading),
         ("body.max_turn_rate_rad_s", |spec| {
             spec.body.max_turn_rate_rad_s = 130.0;
@@ -97,7 +100,7 @@ fn angles_in_degrees_are_refused() {
 
 #[test]
 fn speeds_masses_times_and_shares_in_another_unit_are_refused() {
-    let cases: [(&str, &str, fn(&mut ScenarioSpec)); 9] = [
+    let cases: [(&str, &str, Change); 9] = [
         ("body.max_wheel_speed_mps", "mm/s", |spec| {
             spec.body.max_wheel_speed_mps = 314.8;
         }),
