@@ -238,7 +238,10 @@ mod tests {
     fn a_suffix_belongs_to_one_quantity() {
         assert!(Unit::parse(Quantity::Speed, "furlongs").is_none());
         assert!(Unit::parse(Quantity::Speed, "m").is_none());
-        assert_eq!(Unit::suffixes(Quantity::Speed), "_mps, _kmh, _mph, _kn, _cmps");
+        assert_eq!(
+            Unit::suffixes(Quantity::Speed),
+            "_mps, _kmh, _mph, _kn, _cmps"
+        );
         for (quantity, alias, suffix) in ALIASES {
             let unit = Unit::parse(quantity, alias).unwrap();
             assert_eq!(unit.suffix, suffix);

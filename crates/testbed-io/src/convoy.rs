@@ -1,7 +1,7 @@
 //! The controllers of all robots of a scenario, run in step by one computer.
 
 use unicycle_cbf::{
-    Ahead, Brake, Decision, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
+    Ahead, Brake, Decision, Located, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
     Surroundings, Tracks, WheelSpeeds,
 };
 
@@ -227,12 +227,24 @@ impl<'a> Convoy<'a> {
         }
     }
 
+    /// Whom a robot follows. Who was never seen counts where the scenario lets it start: it may stand before one that was.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let located = |seen: &Option<Place>| Some(seen.as_ref()?.sighting.leader.located());
-        let own = located(&self.sight[robot])?;
-        let others = self.sight.iter().map(located).enumerate();
-        let others = others.filter(|(other, _)| *other != robot);
+        let own = self.sight[robot].as_ref()?.sighting.leader.located();
+        let located = |other: usize| match &self.sight[other] {
+            Some(place) => place.sighting.leader.located(),
+            None => self.at_start(other),
+        };
+        let others = (0..self.robots()).filter(|other| *other != robot);
+        let others = others.map(|other| (other, Some(located(other))));
         self.scenario.controller().leader(&own, others)
+    }
+
+    fn at_start(&self, robot: usize) -> Located {
+        let offset_m = self.scenario.controller().body().offset_m;
+        Located {
+            state: self.scenario.starts()[robot].state(offset_m, Speeds::ZERO),
+            near_m: Some(self.scenario.start_m(robot)),
+        }
     }
 
     /// Where a robot was seen along the path, in m.

@@ -13,7 +13,7 @@ const LENGTH_M: f64 = 2.0;
 const HALF_WIDTH_M: f64 = 10.0;
 /// Most of speeds, in m/s, and of acceleration, in m/s².
 const SPEED_MPS: f64 = 10.0;
-const ACCELERATION_MPS2: f64 = 200.0;
+const ACCELERATION_MPS2: f64 = 1000.0;
 /// How much faster than its wheels a robot may be wanted to go, and how often as fast as they turn it it may turn.
 const TIMES: f64 = 10.0;
 /// Turn rates up to here are believed of any robot, in rad/s.

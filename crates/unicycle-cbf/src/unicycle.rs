@@ -129,9 +129,11 @@ impl Body {
     /// wheel base and 25 mm.
     #[must_use]
     pub fn radius_m(&self) -> f64 {
-        let usual_m = || 0.5 * self.wheel_base_m + BESIDE_WHEELS_M;
+        let half_m = 0.5 * self.wheel_base_m;
         let of_testbed = || Testbed::with_wheel_base(self.wheel_base_m)?.body().radius_m;
-        self.radius_m.or_else(of_testbed).unwrap_or_else(usual_m)
+        // A wheel base that differs in its last digits may have wheels that stand out of the testbed's body.
+        let radius_m = self.radius_m.or_else(|| Some(of_testbed()?.max(half_m)));
+        radius_m.unwrap_or(half_m + BESIDE_WHEELS_M)
     }
 
     /// How fast the speed of each wheel may change, in m/s²: 5 where it was left out.

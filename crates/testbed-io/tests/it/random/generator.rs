@@ -15,7 +15,7 @@ use unicycle_cbf::{
 pub(super) struct Drawn {
     pub(super) spec: ScenarioSpec,
     pub(super) disturbances: Disturbances,
-    /// Lane of ±80 mm at least and the slowest robot in front
+    /// Lane of ±80 mm at least, the slowest robot in front, and robots that turn by half a radian a second
     pub(super) is_easy: bool,
 }
 
@@ -104,7 +104,7 @@ pub(super) fn drawn(seed: u64) -> Drawn {
         ..Disturbances::HARD
     };
     Drawn {
-        is_easy: half_width_m >= 0.08 && front_slowest,
+        is_easy: half_width_m >= 0.08 && front_slowest && spec.body.max_turn_rate_rad_s >= 0.5,
         spec,
         disturbances,
     }
