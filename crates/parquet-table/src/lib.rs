@@ -1,6 +1,6 @@
 //! Named columns to Apache Parquet and back, from files that need not be whole.
 //!
-//! A table is a list of [`Column`]s of one length: numbers, whole numbers or texts. [`write`] makes a file of them;
+//! A table is a list of [`Column`]s of one length: numbers, whole numbers or texts. [`write()`] makes a file of them;
 //! [`File::open`] reads the footer and checks the page headers of all columns against what the footer and the file hold,
 //! so that a damaged file of a few bytes can neither end the program nor make it allocate what it promises; then columns
 //! are decoded one kind at a time.
