@@ -1,6 +1,7 @@
 //! From paths, folders, globs and stdin to prepared drives.
 
 mod again;
+pub(crate) mod files;
 mod notes;
 mod paths;
 mod reading;

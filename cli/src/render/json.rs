@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::cmd::ctrl::files::{FileInput, FileInputs};
 use crate::exit::Outcome;
+use crate::inputs::files::{FileInput, FileInputs};
 use crate::inputs::{Beside, Input, InputEntry, Inputs};
 use crate::require::{Judged, RequireArgs};
 

@@ -54,6 +54,11 @@ fn twice(document: &Value) -> Vec<[&str; 2]> {
         .collect()
 }
 
+/// A copy of the first drive beside its folder.
+fn copy_log(folder: &Path) {
+    fs::copy(folder.join("d1/log.csv"), folder.join("copy.csv")).unwrap();
+}
+
 #[test]
 fn one_file_by_several_paths_is_read_once() {
     let folder = drives(3);
@@ -169,11 +174,7 @@ fn own_logs_are_no_prior() {
 #[test]
 fn calibration_counts_a_drive_once() {
     let folder = drives(2);
-    fs::copy(
-        folder.path().join("d1/log.csv"),
-        folder.path().join("copy.csv"),
-    )
-    .unwrap();
+    copy_log(folder.path());
     let args = [
         "calibrate",
         "d1",
@@ -193,11 +194,7 @@ fn calibration_counts_a_drive_once() {
 #[test]
 fn commands_that_learn_nothing_take_copies_as_they_come() {
     let folder = drives(1);
-    fs::copy(
-        folder.path().join("d1/log.csv"),
-        folder.path().join("copy.csv"),
-    )
-    .unwrap();
+    copy_log(folder.path());
     let args = ["inspect", "d1", "copy.csv", "--format", "json"];
     let document = drivekit_in(folder.path(), &args).ok().json();
     assert_eq!(document["inputs"].as_array().unwrap().len(), 2);

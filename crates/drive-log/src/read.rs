@@ -88,16 +88,19 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layout: &LayoutChoice) -> Result<Lo
     if layouts.len() > 1 {
         check_derivative(path, source.head(), &plan, &logs)?;
     }
-    let sha256 = Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
     Ok(LogFile {
         path: path.to_owned(),
-        sha256,
+        sha256: sha256(bytes),
         layout: layout.name().to_owned(),
         logs,
     })
+}
+
+/// SHA-256 in hexadecimal digits, by which documents name what was read.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The layout that claims the headers, or the only one there is.

@@ -120,6 +120,12 @@ pub struct Split<'a> {
 }
 
 impl<'a> Split<'a> {
+    /// Its number; where units are held out alone, that of the unit.
+    #[must_use]
+    pub fn fold(self) -> usize {
+        self.fold
+    }
+
     /// The units that are held out.
     pub fn units(self) -> impl Iterator<Item = usize> + 'a {
         (self.fold..self.of.units.len()).step_by(self.of.folds)

@@ -37,10 +37,6 @@ struct Neighbours {
     wait: Option<Wait>,
 }
 
-fn square_m2(own: &State, other: &State) -> f64 {
-    (own.x_m - other.x_m).powi(2) + (own.y_m - other.y_m).powi(2)
-}
-
 impl<'a> Convoy<'a> {
     /// All robots at the start of the scenario.
     #[must_use]
@@ -275,7 +271,7 @@ impl<'a> Convoy<'a> {
             let Some(seen) = seen.filter(|_| other != robot && Some(other) != leader) else {
                 continue;
             };
-            let square_m2 = square_m2(own, &seen.sighting.leader.state);
+            let square_m2 = own.square_m2(&seen.sighting.leader.state);
             let place = squares_m2.iter().position(|known| square_m2 < *known);
             if let Some(place) = place {
                 squares_m2[place..].rotate_right(1);

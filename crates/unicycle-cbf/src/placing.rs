@@ -77,8 +77,7 @@ impl Controller {
     /// Whether a robot is near enough to have a row.
     #[must_use]
     pub fn reaches(&self, state: &State, other: &State) -> bool {
-        let (dx, dy) = (other.x_m - state.x_m, other.y_m - state.y_m);
-        dx * dx + dy * dy <= self.reach_m2
+        state.square_m2(other) <= self.reach_m2
     }
 
     /// What a robot needs behind the next one to stand there, in m along the path.
@@ -135,7 +134,7 @@ impl Controller {
         let ahead = others.filter_map(|(robot, other)| {
             let other = other?;
             let ahead_m = self.ahead_m(own, &other)?;
-            Some((ahead_m, square_m2(own, &other), robot))
+            Some((ahead_m, own.state.square_m2(&other.state), robot))
         });
         let next = ahead.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
         if self.settings.headway.distance == Distance::Path {
@@ -153,8 +152,4 @@ impl Controller {
     pub fn least_distance_m(&self) -> f64 {
         2.0 * self.body().radius_m() + self.settings.headway.clearance_m
     }
-}
-
-fn square_m2(own: &Located, other: &Located) -> f64 {
-    (own.state.x_m - other.state.x_m).powi(2) + (own.state.y_m - other.state.y_m).powi(2)
 }

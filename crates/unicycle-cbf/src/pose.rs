@@ -96,6 +96,12 @@ impl State {
         turn_rate_rad_s: 0.0,
     };
 
+    /// Square of the distance to another point of interest, in m².
+    #[must_use]
+    pub fn square_m2(&self, other: &Self) -> f64 {
+        (self.x_m - other.x_m).powi(2) + (self.y_m - other.y_m).powi(2)
+    }
+
     /// Whether no coordinate is NaN or infinite.
     #[must_use]
     pub fn is_finite(&self) -> bool {

@@ -4,11 +4,11 @@ use serde::Serialize;
 use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
 
 use super::beyond;
-use super::files::FileInputs;
 use super::guards;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};

@@ -9,10 +9,10 @@ use unicycle_cbf::{
     Controller, Decision, Deviation, Leader, Lie, Outcome as Rung, RowKind, Scenario, State,
 };
 
-use super::files::FileInputs;
 use super::scenario::{PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};

@@ -4,7 +4,6 @@ mod beyond;
 mod campaign;
 mod check;
 mod explain;
-pub(crate) mod files;
 mod guards;
 mod live;
 mod newest;

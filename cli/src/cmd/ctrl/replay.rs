@@ -7,12 +7,12 @@ use testbed_io::recorded::{self, RecordingLayout};
 use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-use super::files::FileInputs;
 use super::run::forget_times;
 use super::run_text::{verdict, why_not_known};
 use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};

@@ -10,12 +10,12 @@ use unicycle_cbf::{Demands, Scenario};
 
 use super::beyond;
 use super::check;
-use super::files::FileInputs;
 use super::live::{self, LiveArgs};
 use super::run_text::{text, why_not_known};
 use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::inputs::files::FileInputs;
 use crate::numbers;
 use crate::output;
 use crate::places;

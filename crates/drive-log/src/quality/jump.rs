@@ -235,7 +235,7 @@ fn report_noise(checked: &mut Checked, elevation_m: &[f64]) {
     let deviation_m = noise_m(checked.log.time_s(), elevation_m);
     if deviation_m > NOISY_M {
         let detail = format!(
-            "scatters by {deviation_m:.1} m (standard deviation); the slope is taken over longer windows"
+            "scatters by {deviation_m:.1} m (standard deviation); a slope from it is taken over a window as long as that asks for"
         );
         checked.report(
             FindingKind::Noise,

@@ -63,7 +63,7 @@ pub struct Checked {
 /// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
 /// | held | values repeated in rows until the sensor gives the next one | the line between updates |
 /// | quantised | a speed in coarse steps | smoothed within half a step |
-/// | noise | an elevation that scatters by over 2 m | none here; the slope is taken over longer windows |
+/// | noise | an elevation that scatters by over 2 m | none here; a slope from it is taken over a window as long as that asks for |
 ///
 /// A standstill, a cruise control and a channel in coarse steps are nothing of this.
 pub fn check(log: RawLog) -> Checked {

@@ -18,6 +18,7 @@ use driver_model::{
 use ev_energy::Vehicle;
 
 use crate::Error;
+use crate::hold_out::Split;
 pub use bands::BandCoverage;
 pub use data::EvaluationData;
 pub use learning_curve::{LearningPoint, TrainingSource, learning_curve};
@@ -148,12 +149,8 @@ pub fn leave_one_out(
         .filter(|model| model.is_baseline() || settings.models.contains(model))
         .collect();
     let units = data.hold_out.run(on_fold, |split| {
-        split
-            .units()
-            .map(|unit| hold_out(unit, kind, data, &asked, vehicle, settings))
-            .collect::<Result<Vec<_>, _>>()
+        hold_out(split, kind, data, &asked, vehicle, settings)
     })?;
-    let units: Vec<HeldOut> = units.into_iter().flatten().collect();
     let (models, left_out) = usable(&asked, &units);
 
     let mut folds = Vec::new();
@@ -199,21 +196,19 @@ struct HeldOut {
 }
 
 fn hold_out(
-    unit: usize,
+    split: Split<'_>,
     kind: PhaseKind,
     data: &EvaluationData<'_>,
     models: &[ModelKind],
     vehicle: &Vehicle,
     settings: &EvaluationSettings,
 ) -> Result<HeldOut, Error> {
-    let training = TrainingSet::from_trips(kind, data.trips_where(|u| u != unit)).with_prior(
-        kind,
-        data.prior,
-        settings.prior_weight,
-    );
-    let trips = data.trips.iter().zip(data.hold_out.unit_of()).enumerate();
-    let own = trips.filter(|(_, (_, u))| **u == unit);
-    let curves = own.flat_map(|(index, (trip, _))| trip.phases_of(kind).map(move |c| (index, c)));
+    let unit = split.fold();
+    let others = split.rest().map(|trip| &data.trips[trip]);
+    let training =
+        TrainingSet::from_trips(kind, others).with_prior(kind, data.prior, settings.prior_weight);
+    let own = split.held_out();
+    let curves = own.flat_map(|trip| data.trips[trip].phases_of(kind).map(move |c| (trip, c)));
     let phases = curves
         .map(|(trip, curve)| {
             Ok(EvaluatedPhase {

@@ -1,10 +1,9 @@
-//! The files that a command of `ctrl` read, as its document lists them.
+//! Files that are no logs of drives, such as scenarios, as documents list them.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 
 use crate::folders::files_below;
 
@@ -46,10 +45,7 @@ impl FileInput {
             std::fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
         Ok(Self {
             path: path.display().to_string(),
-            sha256: Sha256::digest(bytes)
-                .iter()
-                .map(|byte| format!("{byte:02x}"))
-                .collect(),
+            sha256: drive_log::sha256(&bytes),
         })
     }
 }
