@@ -2,12 +2,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use drive_log::Drive;
 use driver_model::energy::{CalibrationReport, CalibrationScore, calibrate_vehicle};
 use ev_energy::{ParameterEstimate, VehicleSpec};
 use serde::Serialize;
 
 use super::left_out;
+use super::motions::motions;
 use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -59,9 +59,9 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         .check(&Figures::new(include_str!("../figures/calibrate.txt")))?;
     let start = vehicle(&args.vehicle)?;
     let inputs = inputs::load_once(&args.logs, context)?;
-    let drives: Vec<&Drive> = inputs.iter().map(|input| &input.drive).collect();
-    let progress = Progress::new(context, "fitting", drives.len() + 1);
-    let report = calibrate_vehicle(&drives, &start, args.slope_bandwidth, &|| progress.step())?;
+    let motions = motions(&inputs, args.slope_bandwidth)?;
+    let progress = Progress::new(context, "fitting", inputs.len() + 1);
+    let report = calibrate_vehicle(&motions, &start, &|| progress.step())?;
     drop(progress);
     left_out::mention(&report.left_out_drives, context);
     if let Some(kept) = kept(&report) {

@@ -2,7 +2,6 @@
 
 pub(crate) mod calibrate;
 pub(crate) mod completions;
-pub(crate) mod courses;
 pub(crate) mod ctrl;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
@@ -11,6 +10,7 @@ pub(crate) mod inspect;
 pub(crate) mod left_out;
 pub(crate) mod man;
 pub(crate) mod model;
+pub(crate) mod motions;
 pub(crate) mod phases;
 pub(crate) mod portrait;
 pub(crate) mod predict;

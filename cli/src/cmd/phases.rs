@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 use clap::Args;
-use driver_model::{PhaseSettings, Trip};
+use driver_model::{Motion, PhaseSettings, Trip};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub(crate) struct PhaseArgs {
     accel_deadband: f64,
     /// Elevation is smoothed over this distance to either side for the slope, in m
     #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
-    slope_bandwidth: f64,
+    pub(crate) slope_bandwidth: f64,
 }
 
 impl PhaseArgs {
@@ -33,7 +33,6 @@ impl PhaseArgs {
         let mut settings = PhaseSettings {
             min_duration_s: self.min_duration,
             min_gain_mps: self.min_gain / 3.6,
-            slope_bandwidth_m: self.slope_bandwidth,
             ..PhaseSettings::default()
         };
         settings.statistical.accel_deadband_mps2 = self.accel_deadband;
@@ -47,8 +46,9 @@ impl PhaseArgs {
         inputs
             .par_iter()
             .map(|input| {
-                let trip =
-                    Trip::from_drive(&input.drive, &settings).with_context(|| input.label())?;
+                let trip = Motion::of_drive(&input.drive, self.slope_bandwidth)
+                    .and_then(|motions| Trip::of_drive(&motions, &settings))
+                    .with_context(|| input.label())?;
                 progress.step();
                 Ok(trip)
             })

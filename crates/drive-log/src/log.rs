@@ -1,6 +1,7 @@
 //! A drive on a uniform grid.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::{Channel, Error, forward_difference};
 
@@ -8,14 +9,14 @@ use crate::{Channel, Error, forward_difference};
 /// channels may miss values (NaN).
 ///
 /// Times are computed from the index, never accumulated, so that no rounding error grows along the
-/// drive.
+/// drive. A clone shares the channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveLog {
     name: String,
     t0_s: f64,
     step_s: f64,
     len: usize,
-    channels: BTreeMap<Channel, Vec<f64>>,
+    channels: Arc<BTreeMap<Channel, Vec<f64>>>,
 }
 
 impl DriveLog {
@@ -76,7 +77,7 @@ impl DriveLog {
             t0_s,
             step_s,
             len,
-            channels,
+            channels: Arc::new(channels),
         })
     }
 
@@ -146,7 +147,7 @@ impl DriveLog {
         DriveLog {
             name: self.name.clone(),
             len,
-            channels: self.channels.iter().map(cut).collect(),
+            channels: Arc::new(self.channels.iter().map(cut).collect()),
             ..*self
         }
     }

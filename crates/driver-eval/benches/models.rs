@@ -9,8 +9,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{Exponential, Inverse};
 use driver_model::{
-    AccelPoint, DriverModel, ModelKind, Onset, PhaseKind, PhaseOutline, PhaseSettings, TrainingSet,
-    Trip,
+    AccelPoint, DriverModel, ModelKind, Motion, Onset, PhaseKind, PhaseOutline, PhaseSettings,
+    TrainingSet, Trip,
 };
 use ev_energy::Vehicle;
 
@@ -125,11 +125,16 @@ fn simulated_drives(drives: usize) -> Vec<Drive> {
         .collect()
 }
 
+fn trip_of(drive: &Drive, settings: &PhaseSettings) -> Trip {
+    let motions = Motion::of_drive(drive, 100.0).unwrap();
+    Trip::of_drive(&motions, settings).unwrap()
+}
+
 fn simulated_trips(drives: usize) -> Vec<Trip> {
     let settings = PhaseSettings::default();
     simulated_drives(drives)
         .iter()
-        .map(|drive| Trip::from_drive(drive, &settings).unwrap())
+        .map(|drive| trip_of(drive, &settings))
         .collect()
 }
 
@@ -140,9 +145,7 @@ fn find_phases_of_twelve_drives(bencher: Bencher) {
     let samples: usize = drives.iter().map(|drive| drive.samples).sum();
     let settings = PhaseSettings::default();
     bencher.counter(ItemsCount::new(samples)).bench(|| {
-        let trips = drives
-            .iter()
-            .map(|drive| Trip::from_drive(drive, &settings).unwrap());
+        let trips = drives.iter().map(|drive| trip_of(drive, &settings));
         trips.collect::<Vec<_>>()
     });
 }

@@ -1,5 +1,6 @@
 //! Which items are held out together.
 
+use driver_model::{Motion, motion};
 use rayon::prelude::*;
 
 use crate::Error;
@@ -34,6 +35,14 @@ impl HoldOut {
             unit_of,
             folds,
         }
+    }
+
+    /// Pieces of drives, by units of drives; `unit_names` has one for every drive.
+    #[must_use]
+    pub fn of_motions(motions: &[Motion], unit_names: &[String]) -> Self {
+        let drives = motion::drives(motions).zip(unit_names);
+        let names = drives.flat_map(|(pieces, name)| std::iter::repeat_n(name, pieces.len()));
+        Self::by_unit(&names.collect::<Vec<_>>())
     }
 
     /// Every item is a unit of its own.

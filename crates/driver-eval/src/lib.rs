@@ -7,16 +7,15 @@
 //! # Example
 //!
 //! ```
-//! use drive_log::Drive;
 //! use drive_sim::{SynthSettings, simulate};
 //! use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
-//! use driver_model::{PhaseKind, PhaseSettings, Trip};
+//! use driver_model::{Motion, PhaseKind, PhaseSettings, Trip};
 //!
 //! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
 //! let settings = SynthSettings { drives: 3, duration_s: 200.0, ..SynthSettings::default() };
 //! let trips = simulate(&settings, &vehicle)?
 //!     .into_iter()
-//!     .map(|simulated| Trip::from_drive(&Drive::from(simulated.log), &PhaseSettings::default()))
+//!     .map(|simulated| Trip::of_drive(&[Motion::of_log(&simulated.log, 100.0)?], &PhaseSettings::default()))
 //!     .collect::<Result<Vec<_>, _>>()?;
 //!
 //! let data = EvaluationData::by_trip(&trips);

@@ -94,6 +94,14 @@ pub enum Error {
         /// Name of the drive.
         log: String,
     },
+    /// A recording with breaks where one without is needed.
+    #[error("{log}: without speed for so long that it is {pieces} drives; give them one by one")]
+    Broken {
+        /// Name of the recording.
+        log: String,
+        /// How many there are.
+        pieces: usize,
+    },
     /// Drives of different sampling intervals.
     #[error(
         "{log}: sampled every {found_s} s where {expected_s} s were expected; give --step {expected_s}"
@@ -170,6 +178,7 @@ impl Error {
             Self::InLog { .. }
                 | Self::NoLimits { .. }
                 | Self::Steps { .. }
+                | Self::Broken { .. }
                 | Self::Log(_)
                 | Self::Option { .. }
         );

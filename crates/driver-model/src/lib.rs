@@ -24,15 +24,16 @@
 //! # Example
 //!
 //! ```
-//! use drive_log::{Channel, Drive, DriveLog};
-//! use driver_model::{DriverModel, ModelKind, PhaseKind, PhaseSettings, TrainingSet, Trip};
+//! use drive_log::{Channel, DriveLog};
+//! use driver_model::{DriverModel, ModelKind, Motion, PhaseKind, PhaseSettings, TrainingSet, Trip};
 //!
 //! // Ten times from rest to 50 km/h and back, a sample every 0.1 s.
 //! let rise = |k: usize| 13.9 * (1.0 - (std::f64::consts::PI * k as f64 / 100.0).cos()) / 2.0;
 //! let speed_mps: Vec<f64> = (0..2000).map(|k| rise(k % 200)).collect();
 //! let log = DriveLog::new("anna", 0.0, 0.1, [(Channel::Speed, speed_mps)].into_iter().collect())?;
 //!
-//! let trip = Trip::from_drive(&Drive::from(log), &PhaseSettings::default())?;
+//! let motion = Motion::of_log(&log, 100.0)?;
+//! let trip = Trip::of_drive(&[motion], &PhaseSettings::default())?;
 //! let set = TrainingSet::from_trips(PhaseKind::Acceleration, [&trip]);
 //! let model = DriverModel::fit(ModelKind::Profile, &set)?;
 //! let outline = trip.phases[0].outline();
@@ -60,6 +61,7 @@ mod lead;
 mod least_squares;
 mod model;
 mod model_file;
+pub mod motion;
 mod phase;
 pub mod phase_model;
 pub mod portrait;
@@ -81,6 +83,7 @@ pub use model::{DriverModel, ModelKind};
 pub use model_file::{
     Behaviour, FittedModel, MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord,
 };
+pub use motion::{Motion, SlopeSource};
 pub use phase::{HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
 pub use phase_model::SpeedGroup;
 pub use segmenter::{MethodFigures, Segmenter};

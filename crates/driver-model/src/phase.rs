@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use tseg::{Metrics, Segmentation};
 
 use crate::grid::{above, at_least};
-use crate::{Error, Segmented, SpeedGroup, dead_banded, lead};
+use crate::{Error, Motion, Segmented, SpeedGroup, dead_banded, lead};
 
 /// What the driver does during a stretch of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -237,7 +237,8 @@ pub struct PhaseCurve {
 impl PhaseCurve {
     /// Cuts `phase` out of a log. `None` where it has fewer than two samples or ends with the speed that it began with.
     #[must_use]
-    pub fn cut(log: &DriveLog, slope_rad: Option<&[f64]>, phase: &Phase) -> Option<Self> {
+    pub fn cut(motion: &Motion, phase: &Phase) -> Option<Self> {
+        let log = motion.log();
         let range = phase.start..phase.end;
         let speed_mps = log.speed_mps().get(range.clone())?.to_vec();
         let gain = speed_mps.last()? - speed_mps.first()?;
@@ -247,7 +248,10 @@ impl PhaseCurve {
         Some(Self {
             start_s: log.time_s(phase.start),
             step_s: log.step_s(),
-            slope_rad: slope_rad.and_then(|s| s.get(range)).map(<[f64]>::to_vec),
+            slope_rad: motion
+                .slope_rad()
+                .and_then(|s| s.get(range))
+                .map(<[f64]>::to_vec),
             onset: Onset::before(phase.start, log.speed_mps(), log.step_s()),
             speed_mps,
         })

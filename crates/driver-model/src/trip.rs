@@ -1,11 +1,10 @@
-use drive_log::{Drive, DriveLog};
-use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
-
 use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
-use crate::energy::slope_rad;
 use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
-use crate::{AccelPoint, Error, HeuristicRules, PhaseCurve, PhaseKind, StatisticalRules, error};
+use crate::{
+    AccelPoint, Error, HeuristicRules, Motion, PhaseCurve, PhaseKind, StatisticalRules, error,
+    motion,
+};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +17,6 @@ pub struct PhaseSettings {
     pub min_duration_s: f64,
     /// Phases that gain less do not count; 10 km/h.
     pub min_gain_mps: f64,
-    /// Elevation is smoothed over this distance to either side before it gives a slope; 100 m.
-    pub slope_bandwidth_m: f64,
     /// Stretches behind a leader.
     pub following: FollowingSettings,
     /// Stretches of cruising.
@@ -33,7 +30,6 @@ impl Default for PhaseSettings {
             statistical: StatisticalRules::for_models(),
             min_duration_s: 3.0,
             min_gain_mps: 10.0 / 3.6,
-            slope_bandwidth_m: DEFAULT_SLOPE_BANDWIDTH_M,
             following: FollowingSettings::default(),
             cruise: CruiseSettings::default(),
         }
@@ -78,11 +74,11 @@ pub struct Segment {
 }
 
 impl Trip {
-    /// Finds the phases of a drive.
+    /// Finds the phases of a drive, given by its pieces.
     ///
     /// # Errors
     /// [`Error::Option`] for settings out of range, and whatever segmentation refuses.
-    pub fn from_drive(drive: &Drive, settings: &PhaseSettings) -> Result<Self, Error> {
+    pub fn of_drive(motions: &[Motion], settings: &PhaseSettings) -> Result<Self, Error> {
         error::at_least(
             "min_duration_s",
             settings.min_duration_s,
@@ -91,20 +87,21 @@ impl Trip {
         )?;
         error::at_least("min_gain_mps", settings.min_gain_mps, 0.0, "at least 0 m/s")?;
         let mut trip = Self {
-            name: drive.name.clone(),
+            name: motion::name(motions).to_owned(),
             phases: Vec::new(),
             segments: Vec::new(),
             lead_influenced: LeadInfluenced::default(),
             following: Vec::new(),
             cruise: Vec::new(),
         };
-        for log in &drive.pieces {
-            trip.cruise.extend(cruise_stretches(log, &settings.cruise));
+        for motion in motions {
+            trip.cruise
+                .extend(cruise_stretches(motion, &settings.cruise));
             trip.following
-                .extend(following_stretches(log, &settings.following));
-            trip.add_curves(log, settings)
-                .and_then(|()| trip.add_segments(log, settings))
-                .map_err(|error| error.in_log(log.name()))?;
+                .extend(following_stretches(motion, &settings.following));
+            trip.add_curves(motion, settings)
+                .and_then(|()| trip.add_segments(motion, settings))
+                .map_err(|error| error.in_log(motion.name()))?;
         }
         Ok(trip)
     }
@@ -119,10 +116,9 @@ impl Trip {
         self.segments.iter().filter(move |s| s.kind == kind)
     }
 
-    fn add_curves(&mut self, log: &DriveLog, settings: &PhaseSettings) -> Result<(), Error> {
-        let slope_rad = slope_rad(log, settings.slope_bandwidth_m)?;
-        for phase in settings.heuristic.segment(log)?.phases {
-            let Some(curve) = PhaseCurve::cut(log, slope_rad.as_deref(), &phase) else {
+    fn add_curves(&mut self, motion: &Motion, settings: &PhaseSettings) -> Result<(), Error> {
+        for phase in settings.heuristic.segment(motion.log())?.phases {
+            let Some(curve) = PhaseCurve::cut(motion, &phase) else {
                 continue;
             };
             let outline = curve.outline();
@@ -141,7 +137,8 @@ impl Trip {
         Ok(())
     }
 
-    fn add_segments(&mut self, log: &DriveLog, settings: &PhaseSettings) -> Result<(), Error> {
+    fn add_segments(&mut self, motion: &Motion, settings: &PhaseSettings) -> Result<(), Error> {
+        let log = motion.log();
         let segmented = settings.statistical.segment(log)?;
         let (speed_mps, accel_mps2) = (log.speed_mps(), log.accel_mps2());
         for (phase, mean_speed_mps, mean_accel_mps2) in segmented.means(log) {

@@ -6,11 +6,14 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
+use driver_model::Motion;
 use driver_model::energy::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
+use driver_model::motion;
 use ev_energy::{CalibrationRecord, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::cmd::motions::motions;
 use crate::cmd::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -61,30 +64,30 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         .map(|name| vehicle(name))
         .collect::<anyhow::Result<_>>()?;
     let inputs = inputs::load(&args.logs, context)?;
+    let motions = motions(&inputs, args.slope_bandwidth)?;
     if let Some(path) = &args.trace {
-        let ([input], [vehicle]) = (&inputs[..], &vehicles[..]) else {
+        let ([_], [vehicle]) = (&inputs[..], &vehicles[..]) else {
             anyhow::bail!(
                 "--trace writes one log and one vehicle, {} and {} were given; name one of each",
                 inputs.len(),
                 vehicles.len()
             );
         };
-        trace::write(path, input, vehicle, args.slope_bandwidth)?;
+        trace::write(path, &motions, vehicle)?;
         output::note(context, &format!("trace written to {}", path.display()));
     }
-    let pairs: Vec<(&Input, &Vehicle)> = inputs
-        .iter()
-        .flat_map(|input| vehicles.iter().map(move |vehicle| (input, vehicle)))
+    let drives = inputs.iter().zip(motion::drives(&motions));
+    let pairs: Vec<(&Input, &[Motion], &Vehicle)> = drives
+        .flat_map(|(input, drive)| vehicles.iter().map(move |vehicle| (input, drive, vehicle)))
         .collect();
     let entries = pairs
         .par_iter()
-        .map(|(input, vehicle)| {
+        .map(|(input, drive, vehicle)| {
             Ok(Entry {
                 name: &input.drive.name,
                 origin: &input.drive.origin,
                 vehicle: &vehicle.spec().name,
-                energy: drive_energy(&input.drive, vehicle, args.slope_bandwidth, |_| {})
-                    .with_context(|| input.label())?,
+                energy: drive_energy(drive, vehicle, |_| {}).with_context(|| input.label())?,
                 curve: None,
             })
         })

@@ -1,25 +1,20 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use driver_model::Motion;
 use driver_model::energy::{EnergyStep, drive_energy};
 use ev_energy::Vehicle;
 
-use crate::inputs::Input;
 use crate::output;
 
 /// Writes every term of every step of a log as CSV.
-pub(super) fn write(
-    path: &Path,
-    input: &Input,
-    vehicle: &Vehicle,
-    slope_bandwidth_m: f64,
-) -> anyhow::Result<()> {
+pub(super) fn write(path: &Path, motions: &[Motion], vehicle: &Vehicle) -> anyhow::Result<()> {
     let mut text = String::from("time_s");
     for (name, _) in COLUMNS {
         let _ = write!(text, ",{name}");
     }
     text.push_str(",measured_power_w\n");
-    drive_energy(&input.drive, vehicle, slope_bandwidth_m, |step| {
+    drive_energy(motions, vehicle, |step| {
         let _ = write!(text, "{}", step.time_s);
         for (_, value) in COLUMNS {
             let _ = write!(text, ",{}", value(step));

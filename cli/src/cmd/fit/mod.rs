@@ -4,19 +4,18 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use drive_log::DriveLog;
 use driver_model::cruise::CruiseModel;
 use driver_model::following::{FollowingKind, FollowingModel};
-use driver_model::speed_ahead::{Course, DirectKind, DirectModel, DirectSettings};
+use driver_model::speed_ahead::{DirectKind, DirectModel, DirectSettings};
 use driver_model::trip_driver::TripDriver;
 use driver_model::{
-    DriverModel, Error, FittedModel, LeftOut, ModelFile, ModelKind, PhaseKind, PointsOf,
+    DriverModel, Error, FittedModel, LeftOut, ModelFile, ModelKind, Motion, PhaseKind, PointsOf,
     TrainingInput, TrainingRecord, TrainingSet, Trip,
 };
 use serde::Serialize;
 
-use super::courses::courses;
 use super::left_out;
+use super::motions::{mention_finer_grids, motions};
 use super::phases::PhaseArgs;
 use super::prior::PriorArgs;
 use crate::exit::Outcome;
@@ -188,7 +187,7 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         Model::Cruise => named(fit_cruise(&trips), &trips)?,
         Model::Following(kind) => named(fit_following(kind, &trips), &trips)?,
         Model::SpeedAhead(kind) => args.fit_ahead(kind, &inputs, context)?,
-        Model::Trip => fit_trip_driver(&inputs)?,
+        Model::Trip => args.fit_trip_driver(&inputs)?,
     };
     left_out::mention(&fitted.left_out, context);
     let record = TrainingRecord {
@@ -261,18 +260,31 @@ impl FitArgs {
         inputs: &[Input],
         context: &Context,
     ) -> anyhow::Result<Fitted> {
-        let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
+        mention_finer_grids(inputs, context);
+        let motions = motions(inputs, self.phases.slope_bandwidth)?;
         let settings = DirectSettings {
             slope_ahead: self.slope_ahead,
             ..DirectSettings::at(&self.horizons)
         };
-        let (courses, left_out) = settings.usable(courses.into_iter().flatten().collect())?;
-        let courses: Vec<&Course> = courses.iter().collect();
-        let model = DirectModel::fit(kind, &courses, &settings)?;
+        let (motions, left_out) = settings.usable(motions)?;
+        let model = DirectModel::fit(kind, &motions.iter().collect::<Vec<_>>(), &settings)?;
         Ok(Fitted {
-            phases: courses.len(),
+            phases: motions.len(),
             points: model.samples(),
             model: FittedModel::SpeedAhead(model),
+            residual_sum_of_squares: None,
+            left_out,
+        })
+    }
+
+    fn fit_trip_driver(&self, inputs: &[Input]) -> anyhow::Result<Fitted> {
+        let motions = motions(inputs, self.phases.slope_bandwidth)?;
+        let motions: Vec<&Motion> = motions.iter().collect();
+        let (driver, left_out) = TripDriver::fit_usable(&motions)?;
+        Ok(Fitted {
+            model: FittedModel::Trip(driver),
+            phases: motions.len() - left_out.len(),
+            points: 0,
             residual_sum_of_squares: None,
             left_out,
         })
@@ -336,21 +348,6 @@ fn fit_following(kind: FollowingKind, trips: &[Trip]) -> Result<Fitted, Error> {
             |trip| !trip.following.is_empty(),
             "no stretch behind a vehicle that counts",
         ),
-    })
-}
-
-fn fit_trip_driver(inputs: &[Input]) -> Result<Fitted, Error> {
-    let logs: Vec<&DriveLog> = inputs
-        .iter()
-        .flat_map(|input| &input.drive.pieces)
-        .collect();
-    let (driver, left_out) = TripDriver::fit_usable(&logs)?;
-    Ok(Fitted {
-        model: FittedModel::Trip(driver),
-        phases: logs.len() - left_out.len(),
-        points: 0,
-        residual_sum_of_squares: None,
-        left_out,
     })
 }
 

@@ -8,6 +8,7 @@ use clap::Args;
 use driver_model::portrait::Portrait;
 use serde::Serialize;
 
+use super::motions::motions;
 use super::phases::PhaseArgs;
 use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
@@ -58,8 +59,8 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
     args.vehicle.mention(context);
     let settings = args.phases.settings();
     let portrait_of = |inputs: &[Input]| {
-        let drives: Vec<_> = inputs.iter().map(|input| &input.drive).collect();
-        Portrait::of(&drives, &vehicle, &settings)
+        let motions = motions(inputs, args.phases.slope_bandwidth)?;
+        anyhow::Ok(Portrait::of(&motions, &vehicle, &settings)?)
     };
     let inputs = inputs::load(&args.logs, context)?;
     let portrait = portrait_of(&inputs)?;

@@ -1,8 +1,8 @@
 //! The speed of the next seconds, moment by moment.
 
 use anyhow::bail;
-use driver_model::speed_ahead::{Course, DirectModel, HorizonScore};
-use driver_model::{Error, LeftOut};
+use driver_model::speed_ahead::{DirectModel, HorizonScore};
+use driver_model::{Error, LeftOut, Motion};
 use serde::Serialize;
 
 use crate::render::table::{Table, number};
@@ -22,7 +22,7 @@ pub(super) struct Entry<'a> {
 ///
 /// Drives that the model cannot predict are left out, as long as there are others.
 pub(super) fn predict<'a>(
-    courses: &'a [Course],
+    motions: &'a [Motion],
     model: &DirectModel,
     horizons_s: &[f64],
 ) -> anyhow::Result<(Vec<Entry<'a>>, Vec<LeftOut>)> {
@@ -41,11 +41,11 @@ pub(super) fn predict<'a>(
         horizons_s.is_empty() || horizons_s.iter().any(|h| (h - horizon_s).abs() < 1e-9)
     };
     let (mut entries, mut left_out) = (Vec::new(), Vec::new());
-    for course in courses {
-        match entry(course, model, &wanted) {
+    for motion in motions {
+        match entry(motion, model, &wanted) {
             Ok(entry) => entries.push(entry),
             Err(reason) => left_out.push(LeftOut {
-                log: course.name.clone(),
+                log: motion.name().to_owned(),
                 reason,
             }),
         }
@@ -59,21 +59,23 @@ pub(super) fn predict<'a>(
 
 /// The reason where the model cannot predict a drive.
 fn entry<'a>(
-    course: &'a Course,
+    motion: &'a Motion,
     model: &DirectModel,
     wanted: &dyn Fn(f64) -> bool,
 ) -> Result<Entry<'a>, String> {
-    let origins = model.moments(course, STEP_S);
+    let origins = model.moments(motion, STEP_S);
     if origins.is_empty() {
         return Err("too short for the past that a prediction needs".to_owned());
     }
     let scored = model
-        .score(course, &origins)
+        .score(motion, &origins)
         .map_err(|error| error.to_string())?;
     let horizons = scored.into_iter().filter(|score| wanted(score.horizon_s));
-    let moments_s = origins.iter().map(|&origin| origin as f64 * course.step_s);
+    let moments_s = origins
+        .iter()
+        .map(|&origin| origin as f64 * motion.step_s());
     Ok(Entry {
-        name: &course.name,
+        name: motion.name(),
         moments_s: moments_s.collect(),
         horizons: horizons.collect(),
     })

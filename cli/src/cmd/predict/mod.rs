@@ -11,8 +11,8 @@ use driver_model::following::{FollowingErrors, FollowingModel, FollowingStretch}
 use driver_model::{DriverModel, FittedModel, LeftOut, PhaseCurve, PhaseKind, PhaseOutline, Trip};
 use serde::Serialize;
 
-use super::courses::courses;
 use super::left_out;
+use super::motions::{mention_finer_grids, motions};
 use super::phases::PhaseArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -62,17 +62,19 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         .check(&Figures::new(include_str!("../../figures/predict.txt")))?;
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
-    let bandwidth_m = args.phases.settings().slope_bandwidth_m;
     if !args.horizon.is_empty() && !matches!(file.model, FittedModel::SpeedAhead(_)) {
         bail!(
             "--horizon: `{}` is no model of the speed ahead",
             file.model.name()
         );
     }
-    let trips = match file.model {
-        FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => Vec::new(),
-        _ => args.phases.trips(&inputs, context)?,
-    };
+    let (mut trips, mut whole) = (Vec::new(), Vec::new());
+    match file.model {
+        FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => {
+            whole = motions(&inputs, args.phases.slope_bandwidth)?;
+        }
+        _ => trips = args.phases.trips(&inputs, context)?,
+    }
     let left_out: Vec<LeftOut>;
     let (document, text) = match &file.model {
         FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
@@ -106,16 +108,13 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
             (serde_json::to_value(&logs)?, following_table(&logs))
         }
         FittedModel::SpeedAhead(model) => {
-            let courses: Vec<_> = courses(&inputs, bandwidth_m, context)?
-                .into_iter()
-                .flatten()
-                .collect();
-            let (logs, without) = ahead::predict(&courses, model, &args.horizon)?;
+            mention_finer_grids(&inputs, context);
+            let (logs, without) = ahead::predict(&whole, model, &args.horizon)?;
             left_out = without;
             (serde_json::to_value(&logs)?, ahead::table(&logs))
         }
         FittedModel::Trip(driver) => {
-            let (logs, without) = trip::predict(&inputs, driver, bandwidth_m)?;
+            let (logs, without) = trip::predict(&whole, driver)?;
             left_out = without;
             (serde_json::to_value(&logs)?, trip::table(&logs))
         }

@@ -1,13 +1,10 @@
 //! Whole drives from road and driver alone.
 
-use drive_log::DriveLog;
-use driver_model::energy::slope_rad;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::{FreeRun, TripDriver};
-use driver_model::{Error, LeftOut};
+use driver_model::{Error, LeftOut, Motion};
 use serde::Serialize;
 
-use crate::inputs::Input;
 use crate::render::table::{Table, number};
 
 #[derive(Serialize)]
@@ -22,16 +19,15 @@ pub(super) struct Entry<'a> {
 
 /// Drives whose road is not known are left out, as long as there are others.
 pub(super) fn predict<'a>(
-    inputs: &'a [Input],
+    motions: &'a [Motion],
     driver: &TripDriver,
-    slope_bandwidth_m: f64,
 ) -> Result<(Vec<Entry<'a>>, Vec<LeftOut>), Error> {
     let (mut entries, mut left_out) = (Vec::new(), Vec::new());
-    for log in inputs.iter().flat_map(|input| &input.drive.pieces) {
-        match entry(log, driver, slope_bandwidth_m) {
+    for motion in motions {
+        match entry(motion, driver) {
             Ok(entry) => entries.push(entry),
             Err(reason) => left_out.push(LeftOut {
-                log: log.name().to_owned(),
+                log: motion.name().to_owned(),
                 reason: reason.to_string(),
             }),
         }
@@ -43,24 +39,19 @@ pub(super) fn predict<'a>(
     Ok((entries, left_out))
 }
 
-fn entry<'a>(
-    log: &'a DriveLog,
-    driver: &TripDriver,
-    slope_bandwidth_m: f64,
-) -> Result<Entry<'a>, Error> {
-    let slope = slope_rad(log, slope_bandwidth_m)?;
-    let road = Road::of_log(log, slope.as_deref(), RoadKnowledge::Stops)?;
+fn entry<'a>(motion: &'a Motion, driver: &TripDriver) -> Result<Entry<'a>, Error> {
+    let road = Road::of_motion(motion, RoadKnowledge::Stops)?;
     let FreeRun {
         step_s,
         speed_mps,
         end_s,
         ..
-    } = driver.drive(&road, log.step_s(), None)?;
+    } = driver.drive(&road, motion.step_s(), None)?;
     Ok(Entry {
-        name: log.name(),
+        name: motion.name(),
         step_s,
         duration_s: end_s,
-        measured_duration_s: (log.len() - 1) as f64 * log.step_s(),
+        measured_duration_s: motion.duration_s(),
         distance_m: road.length_m(),
         speed_mps,
     })

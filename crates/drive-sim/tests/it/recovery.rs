@@ -4,8 +4,8 @@ use drive_log::{Channel, DriveLog};
 use drive_sim::{SimulatedDriver, SynthSettings};
 use driver_model::phase_model::{Exponential, Inverse, Profile, RiseTime};
 use driver_model::{
-    AccelPoint, DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseOutline, TrainingPhase,
-    TrainingSet,
+    AccelPoint, DriverModel, ModelKind, Motion, Phase, PhaseCurve, PhaseKind, PhaseOutline,
+    TrainingPhase, TrainingSet,
 };
 
 use crate::simulate::{complete_accelerations, curve, found, ideal, run};
@@ -27,7 +27,7 @@ fn line(outline: PhaseOutline) -> PhaseCurve {
         kind: PhaseKind::Acceleration,
         lead_influenced: false,
     };
-    PhaseCurve::cut(&log, None, &phase).unwrap()
+    PhaseCurve::cut(&Motion::of_log(&log, 100.0).unwrap(), &phase).unwrap()
 }
 
 fn set(curves: &[PhaseCurve]) -> TrainingSet<'_> {

@@ -7,7 +7,9 @@ use drive_sim::{
     Error, Regime, SimulatedDrive, SimulatedDriver, SynthSettings, TRUTH_SCHEMA, TruePhase, Truth,
     simulate,
 };
-use driver_model::{DriverModel, ModelKind, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip};
+use driver_model::{
+    DriverModel, ModelKind, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip,
+};
 use ev_energy::Vehicle;
 use proptest::prelude::*;
 
@@ -52,7 +54,7 @@ pub(crate) fn curve(log: &DriveLog, phase: &TruePhase) -> PhaseCurve {
         kind: PhaseKind::Acceleration,
         lead_influenced: false,
     };
-    PhaseCurve::cut(log, None, &phase).unwrap()
+    PhaseCurve::cut(&Motion::of_log(log, 100.0).unwrap(), &phase).unwrap()
 }
 
 #[test]
@@ -242,7 +244,8 @@ fn read_back(drive: &SimulatedDrive) -> (usize, Drive) {
 
 /// Phases as the heuristic route finds them.
 pub(crate) fn found(drive: &SimulatedDrive) -> Trip {
-    Trip::from_drive(&read_back(drive).1, &PhaseSettings::default()).unwrap()
+    let motions = Motion::of_drive(&read_back(drive).1, 100.0).unwrap();
+    Trip::of_drive(&motions, &PhaseSettings::default()).unwrap()
 }
 
 #[test]

@@ -1,5 +1,5 @@
-use driver_model::LeftOut;
-use driver_model::speed_ahead::{Course, DirectSettings};
+use driver_model::speed_ahead::DirectSettings;
+use driver_model::{LeftOut, Motion};
 
 use crate::{Error, HoldOut};
 
@@ -7,23 +7,18 @@ use crate::{Error, HoldOut};
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryData {
     /// All drives.
-    pub courses: Vec<Course>,
+    pub motions: Vec<Motion>,
     /// Their units.
     pub hold_out: HoldOut,
 }
 
 impl TrajectoryData {
-    /// Takes the drives of every log; logs with the same name of unit are held out together.
+    /// Drives with the same name of unit are held out together; `unit_names` has one for every drive, whatever its pieces.
     #[must_use]
-    pub fn new(courses_of_logs: Vec<Vec<Course>>, unit_names: &[String]) -> Self {
-        let counts = courses_of_logs.iter().map(Vec::len);
-        let names = unit_names.iter().zip(counts);
-        let names: Vec<&String> = names
-            .flat_map(|(name, n)| std::iter::repeat_n(name, n))
-            .collect();
+    pub fn new(motions: Vec<Motion>, unit_names: &[String]) -> Self {
         Self {
-            hold_out: HoldOut::by_unit(&names),
-            courses: courses_of_logs.into_iter().flatten().collect(),
+            hold_out: HoldOut::of_motions(&motions, unit_names),
+            motions,
         }
     }
 
@@ -33,51 +28,58 @@ impl TrajectoryData {
     /// # Errors
     /// As [`DirectSettings::usable`].
     pub fn usable(self, settings: &DirectSettings) -> Result<(Self, Vec<LeftOut>), Error> {
-        let numbered = self.hold_out.unit_of().iter().copied().zip(self.courses);
+        let numbered = self.hold_out.unit_of().iter().copied().zip(self.motions);
         let (usable, left_out) = settings.usable_of_units(numbered.collect())?;
-        let name_of = |(unit, _): &(usize, Course)| self.hold_out.units()[*unit].as_str();
+        let name_of = |(unit, _): &(usize, Motion)| self.hold_out.units()[*unit].as_str();
         let names: Vec<&str> = usable.iter().map(name_of).collect();
         let hold_out = HoldOut::by_unit(&names);
-        let courses = usable.into_iter().map(|(_, course)| course).collect();
-        Ok((Self { courses, hold_out }, left_out))
+        let motions = usable.into_iter().map(|(_, motion)| motion).collect();
+        Ok((Self { motions, hold_out }, left_out))
     }
 
     /// Whether the drives know their speed limits.
     #[must_use]
     pub fn has_limits(&self) -> bool {
-        self.courses.iter().all(|course| course.limit_mps.is_some())
+        self.motions
+            .iter()
+            .all(|motion| motion.limit_mps().is_some())
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::collections::BTreeMap;
+
+    use drive_log::{Channel, DriveLog};
+
     use super::*;
 
-    fn course(name: &str, seconds: usize, has_limits: bool) -> Course {
+    fn motion(name: &str, seconds: usize, has_limits: bool) -> Motion {
         let n = 10 * seconds;
-        Course {
-            name: name.to_owned(),
-            step_s: 0.1,
-            speed_mps: vec![10.0; n],
-            distance_m: (0..n).map(|k| k as f64).collect(),
-            limit_mps: has_limits.then(|| vec![14.0; n]),
-            slope_rad: None,
+        let mut channels = BTreeMap::from([(Channel::Speed, vec![10.0; n])]);
+        if has_limits {
+            channels.insert(Channel::SpeedLimit, vec![14.0; n]);
         }
+        let log = DriveLog::new(name, 0.0, 0.1, channels).unwrap();
+        Motion::of_log(&log, 100.0).unwrap()
     }
 
-    fn data(courses: Vec<Course>) -> TrajectoryData {
-        let units: Vec<String> = courses.iter().map(|course| course.name.clone()).collect();
-        TrajectoryData::new(courses.into_iter().map(|c| vec![c]).collect(), &units)
+    fn data(motions: Vec<Motion>) -> TrajectoryData {
+        let units: Vec<String> = motions
+            .iter()
+            .map(|motion| motion.name().to_owned())
+            .collect();
+        TrajectoryData::new(motions, &units)
     }
 
     #[test]
     fn short_drives_and_a_few_without_limits_are_left_out_with_their_units() {
         let drives = vec![
-            course("a", 100, true),
-            course("short", 15, true),
-            course("no limit", 100, false),
-            course("b", 100, true),
+            motion("a", 100, true),
+            motion("short", 15, true),
+            motion("no limit", 100, false),
+            motion("b", 100, true),
         ];
         let (usable, left_out) = data(drives)
             .usable(&DirectSettings::at(&[5.0, 10.0]))
@@ -93,34 +95,34 @@ mod tests {
     #[test]
     fn a_few_drives_with_limits_do_not_cost_the_others() {
         let drives = vec![
-            course("a", 100, true),
-            course("b", 100, false),
-            course("c", 100, false),
+            motion("a", 100, true),
+            motion("b", 100, false),
+            motion("c", 100, false),
         ];
         let (usable, left_out) = data(drives).usable(&DirectSettings::default()).unwrap();
         assert_eq!((usable.hold_out.units().len(), left_out.len()), (3, 0));
         assert!(
             usable
-                .courses
+                .motions
                 .iter()
-                .all(|course| course.limit_mps.is_none())
+                .all(|motion| motion.limit_mps().is_none())
         );
     }
 
     #[test]
     fn one_unit_with_limits_does_not_cost_the_only_other_one() {
-        let drives = vec![course("a", 100, true), course("b", 50, false)];
+        let drives = vec![motion("a", 100, true), motion("b", 50, false)];
         let (usable, left_out) = data(drives).usable(&DirectSettings::default()).unwrap();
         assert_eq!((usable.hold_out.units().len(), left_out.len()), (2, 0));
         assert!(!usable.has_limits());
-        let fitted = vec![course("a", 100, true), course("b", 50, false)];
-        let (courses, left_out) = DirectSettings::default().usable(fitted).unwrap();
-        assert_eq!((courses.len(), left_out.len()), (1, 1));
+        let fitted = vec![motion("a", 100, true), motion("b", 50, false)];
+        let (motions, left_out) = DirectSettings::default().usable(fitted).unwrap();
+        assert_eq!((motions.len(), left_out.len()), (1, 1));
     }
 
     #[test]
     fn drives_of_which_none_will_do_are_named_with_the_reason() {
-        let error = data(vec![course("a", 8, true), course("b", 9, false)])
+        let error = data(vec![motion("a", 8, true), motion("b", 9, false)])
             .usable(&DirectSettings::default())
             .unwrap_err();
         let text = error.to_string();

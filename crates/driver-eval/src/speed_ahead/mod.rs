@@ -6,9 +6,10 @@ mod trip_figures;
 
 use std::time::Instant;
 
+use driver_model::Motion;
 use driver_model::error::at_least;
 use driver_model::speed_ahead::{
-    Course, DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
+    DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
 };
 use ev_energy::Vehicle;
 use rayon::prelude::*;
@@ -50,8 +51,8 @@ impl Default for TrajectorySettings {
 /// One drive as a trial predicts it from its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialTrip {
-    /// Index of the drive.
-    pub course: usize,
+    /// Index of the motion.
+    pub motion: usize,
     /// Predicted speed; not a number where the recursion has run away.
     pub speed_mps: Vec<f64>,
     /// How good that is.
@@ -214,8 +215,8 @@ impl Contestant {
     }
 }
 
-fn learnt_from<'a>(split: Split<'_>, data: &'a TrajectoryData) -> Vec<&'a Course> {
-    split.rest().map(|item| &data.courses[item]).collect()
+fn learnt_from<'a>(split: Split<'_>, data: &'a TrajectoryData) -> Vec<&'a Motion> {
+    split.rest().map(|item| &data.motions[item]).collect()
 }
 
 fn run_direct(
@@ -231,15 +232,15 @@ fn run_direct(
     let intervals: Vec<Option<f64>> = model.intervals_mps().collect();
     let mut errors = HorizonErrors::for_each(&intervals, data.hold_out.units().len());
     for i in split.held_out() {
-        let course = &data.courses[i];
-        let origins = model.origins(course, settings.direct.sample_step_s);
-        for (&origin, ahead) in origins.iter().zip(model.predict(course, &origins)?) {
+        let motion = &data.motions[i];
+        let origins = model.origins(motion, settings.direct.sample_step_s);
+        for (&origin, ahead) in origins.iter().zip(model.predict(motion, &origins)?) {
             for ((errors, horizon_s), speed) in errors
                 .iter_mut()
                 .zip(model.horizons_s())
                 .zip(ahead.speed_mps)
             {
-                let measured = course.speed_mps[origin + course.samples_in(horizon_s)];
+                let measured = motion.speed_mps()[origin + motion.samples_in(horizon_s)];
                 errors.add(data.hold_out.unit_of()[i], speed - measured);
             }
         }
@@ -269,25 +270,25 @@ fn run_trial(
         HorizonErrors::for_each(&vec![None; horizons_s.len()], data.hold_out.units().len());
     let mut trips = Vec::new();
     for i in split.held_out() {
-        let course = &data.courses[i];
-        let speed_mps = fitted.predict(course)?;
-        let figures = TripFigures::compare(course, &speed_mps, vehicle, settings.band_mps)
-            .map_err(|error| error.in_log(&course.name))?;
+        let motion = &data.motions[i];
+        let speed_mps = fitted.predict(motion)?;
+        let figures = TripFigures::compare(motion, &speed_mps, vehicle, settings.band_mps)
+            .map_err(|error| error.in_log(motion.name()))?;
         trips.push(TrialTrip {
-            course: i,
+            motion: i,
             speed_mps,
             figures,
         });
 
         let longest_s = horizons_s.iter().copied().fold(0.0, f64::max);
-        let origins = origins(course, longest_s, settings.direct.sample_step_s);
-        let ahead = fitted.predict_ahead(course, &origins, course.samples_in(longest_s))?;
+        let origins = origins(motion, longest_s, settings.direct.sample_step_s);
+        let ahead = fitted.predict_ahead(motion, &origins, motion.samples_in(longest_s))?;
         for (&origin, ahead) in origins.iter().zip(ahead) {
             for (errors, &horizon_s) in errors.iter_mut().zip(horizons_s) {
-                let steps = course.samples_in(horizon_s);
+                let steps = motion.samples_in(horizon_s);
                 errors.add(
                     data.hold_out.unit_of()[i],
-                    ahead[steps - 1] - course.speed_mps[origin + steps],
+                    ahead[steps - 1] - motion.speed_mps()[origin + steps],
                 );
             }
         }
@@ -328,7 +329,7 @@ impl TrajectoryEvaluation {
             (fit_seconds, predict_seconds, unfinished);
         self.rows.push(row);
         if let Contestant::Trial(trial) = contestant {
-            trips.sort_by_key(|trip| trip.course);
+            trips.sort_by_key(|trip| trip.motion);
             self.trials.push(TrialResult { trial, fits, trips });
         }
     }

@@ -1,6 +1,6 @@
 use driver_model::Error;
+use driver_model::Motion;
 use driver_model::energy::driving_energy_j;
-use driver_model::speed_ahead::Course;
 use driver_model::statistics::mean;
 use ev_energy::Vehicle;
 
@@ -35,19 +35,19 @@ impl TripFigures {
     /// # Errors
     /// What the vehicle model refuses.
     pub fn compare(
-        course: &Course,
+        motion: &Motion,
         predicted_mps: &[f64],
         vehicle: &Vehicle,
         band_mps: f64,
     ) -> Result<Self, Error> {
-        let measured = &course.speed_mps;
+        let measured = motion.speed_mps();
         let n = measured.len() as f64;
         let errors = || measured.iter().zip(predicted_mps).map(|(v, p)| p - v);
         let square_sum: f64 = errors().map(|e| e * e).sum();
         let accel = |speeds: &[f64]| -> Vec<f64> {
             speeds
                 .windows(2)
-                .map(|pair| (pair[1] - pair[0]) / course.step_s)
+                .map(|pair| (pair[1] - pair[0]) / motion.step_s())
                 .collect()
         };
         let accel_square_sum: f64 = accel(measured)
@@ -57,11 +57,12 @@ impl TripFigures {
             .sum();
         let inside = errors().filter(|e| e.abs() <= 0.5 * band_mps).count();
         let possible = predicted_mps.iter().all(|v| v.abs() <= FASTEST_MPS);
-        let distance_m = |speeds: &[f64]| speeds.iter().sum::<f64>() * course.step_s;
+        let distance_m = |speeds: &[f64]| speeds.iter().sum::<f64>() * motion.step_s();
         let moved = distance_m(measured) >= LEAST_DISTANCE_M;
         // Predicted over the slope that was measured at the same time.
-        let slope_rad = course.slope_rad.as_deref();
-        let energy_j = |speeds: &[f64]| driving_energy_j(vehicle, course.step_s, speeds, slope_rad);
+        let slope_rad = motion.slope_rad();
+        let energy_j =
+            |speeds: &[f64]| driving_energy_j(vehicle, motion.step_s(), speeds, slope_rad);
         Ok(Self {
             measured_energy_j: energy_j(measured)?,
             energy_j: possible.then(|| energy_j(predicted_mps)).transpose()?,

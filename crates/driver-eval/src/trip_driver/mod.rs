@@ -3,12 +3,11 @@
 mod score;
 mod summary;
 
-use drive_log::DriveLog;
-use driver_model::energy::slope_rad;
+use driver_model::Motion;
 use driver_model::error::at_least;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::{RecordedTrip, TripDriver};
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
+use ev_energy::Vehicle;
 use serde::Serialize;
 
 use crate::hold_out::Split;
@@ -27,8 +26,6 @@ pub struct FreeRunSettings {
     pub min_duration_s: f64,
     /// Units are held out in this many folds; `None` holds every unit out alone.
     pub folds: Option<usize>,
-    /// Elevation is smoothed over this distance to either side before it gives a slope; 100 m.
-    pub slope_bandwidth_m: f64,
 }
 
 impl Default for FreeRunSettings {
@@ -38,7 +35,6 @@ impl Default for FreeRunSettings {
             duration_s: 900.0,
             min_duration_s: 300.0,
             folds: None,
-            slope_bandwidth_m: DEFAULT_SLOPE_BANDWIDTH_M,
         }
     }
 }
@@ -81,14 +77,14 @@ pub struct FreeRunEvaluation {
 
 /// Holds each unit out once, fits the driver to the others, and predicts the held-out trips from their roads.
 ///
-/// `unit_names` has one for every log. `progress` is called after each fold, from any thread. Logs whose speed limit is not known
+/// `unit_names` has one for every drive, whatever its pieces. `progress` is called after each fold, from any thread. Logs whose speed limit is not known
 /// throughout are left out, and said.
 ///
 /// # Errors
 /// [`Error::TooFewUnits`] with less than two units that know their limits, [`Error::Model`] where no trip can be compared and for
 /// settings out of range.
 pub fn evaluate_free_run(
-    logs: &[&DriveLog],
+    motions: &[Motion],
     unit_names: &[String],
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
@@ -96,7 +92,7 @@ pub fn evaluate_free_run(
 ) -> Result<FreeRunEvaluation, Error> {
     settings.check()?;
     let mut left_out = Vec::new();
-    let (trips, hold_out) = usable(logs, unit_names, &mut left_out);
+    let (trips, hold_out) = usable(motions, unit_names, &mut left_out);
     hold_out.at_least(2)?;
     let folds = settings.folds.unwrap_or(hold_out.units().len());
     let hold_out = hold_out.in_folds(folds);
@@ -130,31 +126,27 @@ impl FreeRunSettings {
 }
 
 /// A log that knows its limits.
-type Usable<'a> = (&'a DriveLog, RecordedTrip);
+type Usable<'a> = (&'a Motion, RecordedTrip);
 
 /// The logs that know their limits, those of a unit together.
 fn usable<'a>(
-    logs: &[&'a DriveLog],
+    motions: &'a [Motion],
     unit_names: &[String],
     left_out: &mut Vec<(String, String)>,
 ) -> (Vec<Usable<'a>>, HoldOut) {
-    let hold_out = HoldOut::by_unit(unit_names);
+    let hold_out = HoldOut::of_motions(motions, unit_names);
     let mut trips = Vec::new();
-    let mut by_unit: Vec<(usize, &DriveLog)> = hold_out
-        .unit_of()
-        .iter()
-        .copied()
-        .zip(logs.iter().copied())
-        .collect();
+    let mut by_unit: Vec<(usize, &Motion)> =
+        hold_out.unit_of().iter().copied().zip(motions).collect();
     by_unit.sort_by_key(|(unit, _)| *unit);
     let mut units = Vec::new();
-    for (unit, log) in by_unit {
-        match RecordedTrip::of(log) {
+    for (unit, motion) in by_unit {
+        match RecordedTrip::of(motion) {
             Ok(trip) => {
-                trips.push((log, trip));
+                trips.push((motion, trip));
                 units.push(unit);
             }
-            Err(reason) => left_out.push((log.name().to_owned(), reason.to_string())),
+            Err(reason) => left_out.push((motion.name().to_owned(), reason.to_string())),
         }
     }
     (trips, hold_out.of_items(&units))
@@ -189,19 +181,19 @@ fn held_out(
         left_out: Vec::new(),
     };
     for item in split.held_out() {
-        let (log, trip) = &trips[item];
-        match score(&outcome.fold.driver, log, trip, settings, vehicle) {
+        let (motion, trip) = &trips[item];
+        match score(&outcome.fold.driver, motion, trip, settings, vehicle) {
             Ok(score) => {
                 let trip = FreeRunTrip {
                     group: units[hold_out.unit_of()[item]].clone(),
-                    log: log.name().to_owned(),
+                    log: motion.name().to_owned(),
                     score,
                 };
                 outcome.trips.push((item, trip));
             }
             Err(reason) => outcome
                 .left_out
-                .push((log.name().to_owned(), reason.to_string())),
+                .push((motion.name().to_owned(), reason.to_string())),
         }
     }
     Ok(outcome)
@@ -212,19 +204,17 @@ const STEP_S: f64 = 0.1;
 
 fn score(
     driver: &TripDriver,
-    log: &DriveLog,
+    motion: &Motion,
     trip: &RecordedTrip,
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
 ) -> Result<FreeRunScore, Error> {
     let (lasts_s, least_s) = (trip.duration_s(), settings.min_duration_s);
     // A log of ten minutes has its last sample a step before; the rest is rounding.
-    let rounding_s = 1.5 * log.step_s();
+    let rounding_s = 1.5 * motion.step_s();
     let expected = "at least the shortest duration that is compared";
     at_least("duration_s", lasts_s, least_s - rounding_s, expected)?;
-    let slope_rad = slope_rad(log, settings.slope_bandwidth_m)?;
-    let slope_rad = slope_rad.as_deref();
-    let road = Road::of_trip(trip, slope_rad, settings.knowledge)?;
+    let road = Road::of_trip(trip, settings.knowledge)?;
     let run = driver.drive(&road, STEP_S, None)?;
-    FreeRunScore::of(&run, trip, slope_rad, vehicle, settings.duration_s)
+    FreeRunScore::of(&run, trip, motion.slope_rad(), vehicle, settings.duration_s)
 }

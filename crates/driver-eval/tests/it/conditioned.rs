@@ -11,7 +11,7 @@ use ev_energy::Vehicle;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::support::{assorted, curve_from, plain_set, shaped};
+use crate::support::{assorted, curve_from, motion_of, plain_set, shaped};
 
 /// Errors of all samples over the gain of their phase.
 fn errors(model: &DriverModel, curves: &[PhaseCurve]) -> Vec<f64> {
@@ -105,7 +105,7 @@ fn simulated(kind: PhaseKind, seed: u64) -> Evaluation {
     let trips: Vec<Trip> = simulate(&settings, &vehicle)
         .unwrap()
         .into_iter()
-        .map(|drive| Trip::from_drive(&drive.log.into(), &PhaseSettings::default()).unwrap())
+        .map(|drive| Trip::of_drive(&[motion_of(&drive.log)], &PhaseSettings::default()).unwrap())
         .collect();
     let settings = EvaluationSettings {
         models: vec![ModelKind::ProfileConditioned, ModelKind::ProfileOnset],

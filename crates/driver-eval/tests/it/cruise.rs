@@ -9,6 +9,8 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
+use crate::support::motion_of;
+
 const STEP_S: f64 = 0.1;
 const BIAS: f64 = 1.2;
 const SPREAD: f64 = 0.5;
@@ -50,7 +52,7 @@ fn stretches(seed: u64, limit: bool, trips: usize) -> (Vec<CruiseStretch>, HoldO
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut stretches, mut names) = (Vec::new(), Vec::new());
     for k in 0..5 * trips {
-        let found = cruise_stretches(&log(&mut random, limit), &CALM);
+        let found = cruise_stretches(&motion_of(&log(&mut random, limit)), &CALM);
         names.extend(found.iter().map(|_| format!("trip {}", k / 5)));
         stretches.extend(found);
     }
@@ -129,7 +131,7 @@ fn a_stretch_ends_with_its_limit_its_calm_and_a_leader() {
         (Channel::LeadGap, gap),
     ];
     let log = DriveLog::new("cut", 0.0, STEP_S, channels.into_iter().collect()).unwrap();
-    let found = cruise_stretches(&log, &CruiseSettings::default());
+    let found = cruise_stretches(&motion_of(&log), &CruiseSettings::default());
     let spans: Vec<(f64, Option<f64>)> = found
         .iter()
         .map(|s| (s.start_s().round(), s.limit_mps()))
@@ -159,7 +161,7 @@ fn nothing_to_learn_from_is_said_and_odd_logs_are_survived() {
             (Channel::SpeedLimit, vec![f64::NAN; n]),
         ];
         let log = DriveLog::new("odd", 0.0, 10.0, channels.into_iter().collect()).unwrap();
-        let stretches = cruise_stretches(&log, &CruiseSettings::default());
+        let stretches = cruise_stretches(&motion_of(&log), &CruiseSettings::default());
         let _ = CruiseModel::fit(&stretches.iter().collect::<Vec<_>>());
     }
 }

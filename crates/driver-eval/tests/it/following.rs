@@ -13,6 +13,8 @@ use driver_model::following::{
 };
 use proptest::prelude::*;
 
+use crate::support::motion_of;
+
 const IDM: FollowingModel = FollowingModel::Idm {
     idm: Idm {
         max_accel_mps2: 1.6,
@@ -73,7 +75,7 @@ fn log_of([speed, gap, lead]: [Vec<f64>; 3], step_s: f64) -> DriveLog {
 }
 
 fn one_stretch(log: &DriveLog) -> FollowingStretch {
-    let mut found = following_stretches(log, &FollowingSettings::default());
+    let mut found = following_stretches(&motion_of(log), &FollowingSettings::default());
     assert_eq!(found.len(), 1);
     let stretch = found.remove(0);
     assert_eq!(stretch.speed_mps().len(), log.len());
@@ -274,7 +276,7 @@ proptest! {
         let column = |k: usize| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
         let log = log_of([column(0), column(1), column(2)], 0.1);
         let settings = FollowingSettings { min_duration_s: 0.0 };
-        for stretch in following_stretches(&log, &settings) {
+        for stretch in following_stretches(&motion_of(&log), &settings) {
             prop_assert!(stretch.gap_m().iter().all(|gap| *gap > 0.0));
             prop_assert!(stretch.lead_speed_mps().iter().all(|v| v.is_finite()));
             for model in [IDM, LAW] {
@@ -300,7 +302,7 @@ fn recorded_platoons_are_followed() {
         let file = entry.unwrap().path();
         for log in read_file(&file, &LayoutChoice::Auto).unwrap().logs {
             for piece in prepare(log, &Preparation::default()).unwrap().pieces {
-                let found = following_stretches(&piece, &FollowingSettings::default());
+                let found = following_stretches(&motion_of(&piece), &FollowingSettings::default());
                 files.extend(found.iter().map(|_| file.display().to_string()));
                 stretches.extend(found);
             }

@@ -8,15 +8,18 @@ use driver_eval::Error;
 use driver_eval::trip_driver::{
     FreeRunEvaluation, FreeRunScore, FreeRunSettings, evaluate_free_run,
 };
+use driver_model::Motion;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::{RecordedTrip, TripDriver};
 use ev_energy::Vehicle;
+
+use crate::support::motion_of;
 
 fn vehicle() -> Vehicle {
     Vehicle::builtin("b250e").unwrap()
 }
 
-fn drives(seed: u64, drives: usize, duration_s: f64, leaders: bool) -> Vec<DriveLog> {
+fn drives(seed: u64, drives: usize, duration_s: f64, leaders: bool) -> Vec<Motion> {
     let settings = SynthSettings {
         seed,
         drives,
@@ -25,28 +28,28 @@ fn drives(seed: u64, drives: usize, duration_s: f64, leaders: bool) -> Vec<Drive
         ..SynthSettings::default()
     };
     let simulated = simulate(&settings, &vehicle()).unwrap();
-    simulated.into_iter().map(|drive| drive.log).collect()
+    simulated
+        .into_iter()
+        .map(|drive| motion_of(&drive.log))
+        .collect()
 }
 
 /// Every tenth sample.
-fn at_1_hz(log: &DriveLog) -> DriveLog {
+fn at_1_hz(motion: &Motion) -> Motion {
+    let log = motion.log();
     let thinned = |values: &[f64]| values.iter().step_by(10).copied().collect();
     let channels = log
         .channels()
         .map(|(channel, values)| (channel, thinned(values)));
-    DriveLog::new(log.name(), 0.0, 1.0, channels.collect()).unwrap()
+    motion_of(&DriveLog::new(log.name(), 0.0, 1.0, channels.collect()).unwrap())
 }
 
-fn slope_of(log: &DriveLog) -> Option<&[f64]> {
-    log.channel(Channel::Slope)
-}
-
-fn score(driver: &TripDriver, log: &DriveLog, knowledge: RoadKnowledge) -> FreeRunScore {
-    let road = Road::of_log(log, slope_of(log), knowledge).unwrap();
+fn score(driver: &TripDriver, motion: &Motion, knowledge: RoadKnowledge) -> FreeRunScore {
+    let road = Road::of_motion(motion, knowledge).unwrap();
     let run = driver.drive(&road, 0.1, None).unwrap();
     assert!(run.speed_mps.iter().all(|v| *v >= 0.0));
-    let trip = RecordedTrip::of(log).unwrap();
-    FreeRunScore::of(&run, &trip, slope_of(log), &vehicle(), 900.0).unwrap()
+    let trip = RecordedTrip::of(motion).unwrap();
+    FreeRunScore::of(&run, &trip, motion.slope_rad(), &vehicle(), 900.0).unwrap()
 }
 
 fn mean_abs(scores: &[FreeRunScore], of: impl Fn(&FreeRunScore) -> f64) -> f64 {
@@ -58,7 +61,7 @@ fn energy_pct(score: &FreeRunScore) -> f64 {
 }
 
 /// Largest mean magnitudes of the errors of distance, and time and energy at equal distance.
-fn assert_within(train: &[DriveLog], test: &[DriveLog], knowledge: RoadKnowledge, pct: [f64; 3]) {
+fn assert_within(train: &[Motion], test: &[Motion], knowledge: RoadKnowledge, pct: [f64; 3]) {
     let driver = TripDriver::fit(&train.iter().collect::<Vec<_>>()).unwrap();
     let of_log = |log| score(&driver, log, knowledge);
     let scores: Vec<FreeRunScore> = test.iter().map(of_log).collect();
@@ -97,7 +100,7 @@ fn simulated_trips_are_predicted() {
 
 #[test]
 fn a_sample_a_second_is_enough() {
-    let thin = |logs: Vec<DriveLog>| logs.iter().map(at_1_hz).collect::<Vec<_>>();
+    let thin = |logs: Vec<Motion>| logs.iter().map(at_1_hz).collect::<Vec<_>>();
     let train = thin(drives(21, 8, 600.0, false));
     let test = thin(drives(22, 4, 1000.0, false));
     for (knowledge, pct) in ERRORS {
@@ -123,7 +126,7 @@ fn assert_near(found: f64, expected: f64, digit: f64) {
 /// Figures of the same method written independently, on the same drives.
 #[test]
 fn agrees_with_the_reference_implementation() {
-    let logs: Vec<DriveLog> = (1..=12).map(fixture).collect();
+    let logs: Vec<Motion> = (1..=12).map(fixture).collect();
     let driver = TripDriver::fit(&logs.iter().collect::<Vec<_>>()).unwrap();
     let (acceleration, braking) = (driver.acceleration(), driver.braking());
     assert_eq!((acceleration.rises, braking.falls), (153, 154));
@@ -171,7 +174,7 @@ fn agrees_with_the_reference_implementation() {
             3823.85,
         ),
     ] {
-        let road = Road::of_log(&logs[0], slope_of(&logs[0]), knowledge).unwrap();
+        let road = Road::of_motion(&logs[0], knowledge).unwrap();
         assert_eq!(road.nodes(), 6772);
         let run = driver.drive(&road, 0.01, None).unwrap();
         for (at_m, time_s) in [1000.0, 3000.0, 6000.0, 6771.0].into_iter().zip(times_s) {
@@ -180,7 +183,7 @@ fn agrees_with_the_reference_implementation() {
         }
         assert_near(run.position_m[30_000], position_m, 0.1);
     }
-    let road = Road::of_log(&logs[0], None, RoadKnowledge::Stops).unwrap();
+    let road = Road::of_motion(&logs[0], RoadKnowledge::Stops).unwrap();
     let expected = driver.expected_slowdowns(&road);
     let positions = [758.1, 2748.1, 3797.8, 4355.7, 5774.7];
     assert_eq!(expected.len(), positions.len());
@@ -189,7 +192,7 @@ fn agrees_with_the_reference_implementation() {
     }
 }
 
-fn fixture(number: usize) -> DriveLog {
+fn fixture(number: usize) -> Motion {
     let file = format!("../../fixtures/drives/drive-{number:02}.csv");
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
     let column = |k: usize| -> Vec<f64> {
@@ -201,19 +204,18 @@ fn fixture(number: usize) -> DriveLog {
         (Channel::SpeedLimit, column(2)),
         (Channel::Slope, column(3)),
     ];
-    DriveLog::new(format!("drive-{number:02}"), 0.0, 0.1, channels.into()).unwrap()
+    motion_of(&DriveLog::new(format!("drive-{number:02}"), 0.0, 0.1, channels.into()).unwrap())
 }
 
-fn evaluated(logs: &[DriveLog], settings: &FreeRunSettings) -> Result<FreeRunEvaluation, Error> {
+fn evaluated(logs: &[Motion], settings: &FreeRunSettings) -> Result<FreeRunEvaluation, Error> {
     let names: Vec<String> = logs.iter().map(|log| log.name().to_owned()).collect();
-    let logs: Vec<&DriveLog> = logs.iter().collect();
-    evaluate_free_run(&logs, &names, settings, &vehicle(), &|| {})
+    evaluate_free_run(logs, &names, settings, &vehicle(), &|| {})
 }
 
 /// The reference gives 0.60 and 0.77 %, 1.94 and 1.92 %; it goes on at the last speed where a prediction is at the end early.
 #[test]
 fn every_trip_is_held_out_once() {
-    let logs: Vec<DriveLog> = (1..=12).map(fixture).collect();
+    let logs: Vec<Motion> = (1..=12).map(fixture).collect();
     for (knowledge, distance_pct, time_pct) in [
         (RoadKnowledge::StopsAndSlowdowns, 0.60, 0.77),
         (RoadKnowledge::Stops, 1.94, 1.92),
@@ -237,14 +239,11 @@ fn every_trip_is_held_out_once() {
 #[test]
 fn folds_do_not_depend_on_threads_and_useless_logs_are_named() {
     let mut logs = drives(5, 5, 400.0, true);
-    let mut names = logs[0].clone();
-    logs.push(names.first(1000));
-    let speed = names
-        .channels()
-        .find(|(channel, _)| *channel == Channel::Speed);
-    let only_speed = speed.map(|(channel, values)| (channel, values.to_vec()));
-    names = DriveLog::new("unlimited", 0.0, 0.1, only_speed.into_iter().collect()).unwrap();
-    logs.push(names);
+    let first = logs[0].log().clone();
+    logs.push(motion_of(&first.first(1000)));
+    let speed = [(Channel::Speed, first.speed_mps().to_vec())];
+    let unlimited = DriveLog::new("unlimited", 0.0, 0.1, speed.into()).unwrap();
+    logs.push(motion_of(&unlimited));
     let settings = FreeRunSettings {
         folds: Some(3),
         ..FreeRunSettings::default()
@@ -273,7 +272,10 @@ fn folds_do_not_depend_on_threads_and_useless_logs_are_named() {
         evaluated(&logs[..1], &settings),
         Err(Error::TooFewUnits { found: 1, .. })
     ));
-    let short: Vec<DriveLog> = logs[..3].iter().map(|log| log.first(500)).collect();
+    let short: Vec<Motion> = logs[..3]
+        .iter()
+        .map(|motion| motion_of(&motion.log().first(500)))
+        .collect();
     assert!(matches!(
         evaluated(&short, &settings),
         Err(Error::Model(driver_model::Error::TooFewPhases { .. }))

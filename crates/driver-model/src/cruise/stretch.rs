@@ -1,5 +1,6 @@
-use drive_log::{Channel, DriveLog};
+use drive_log::Channel;
 
+use crate::Motion;
 use crate::grid::{above, at_least, below};
 use crate::lead;
 
@@ -71,7 +72,8 @@ const NO_LIMIT_MPS: f64 = 400.0 / 3.6;
 /// The longest runs of samples that are fast enough, hardly accelerated in the mean over a second, without a near leader, and
 /// under the same limit. The single-sample rule of Table 3.1 would break a cruise at every sample of noise.
 #[must_use]
-pub fn cruise_stretches(log: &DriveLog, settings: &CruiseSettings) -> Vec<CruiseStretch> {
+pub fn cruise_stretches(motion: &Motion, settings: &CruiseSettings) -> Vec<CruiseStretch> {
+    let log = motion.log();
     let speed = log.speed_mps();
     let reach = (0.5 / log.step_s()).round().max(1.0) as usize;
     let gap_m = log.channel(Channel::LeadGap);

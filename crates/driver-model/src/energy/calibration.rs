@@ -1,4 +1,3 @@
-use drive_log::Drive;
 use ev_energy::{
     Calibration, CalibrationRecord, CalibrationTrip, Comparison, Fold, JOULES_PER_KWH,
     ParameterEstimate, Vehicle, calibrate, leave_one_out,
@@ -7,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::input::EnergyInput;
-use crate::{Error, LeftOut};
+use crate::{Error, LeftOut, Motion, motion};
 
 /// A drive must have measured power for this long: every drive weighs the same.
 const SHORTEST_S: f64 = 60.0;
@@ -178,14 +177,14 @@ pub struct ResidualBin {
 /// [`Error::InLog`] for samples outside the vehicle model's range, [`Error::Energy`] for a fit that fails,
 /// [`Error::NothingUsable`] without a drive that can be calibrated to.
 pub fn calibrate_vehicle(
-    drives: &[&Drive],
+    motions: &[Motion],
     vehicle: &Vehicle,
-    slope_bandwidth_m: f64,
     finished: &(dyn Fn() + Sync),
 ) -> Result<CalibrationReport, Error> {
+    let drives: Vec<&[Motion]> = motion::drives(motions).collect();
     let measured: Vec<MeasuredDrive> = drives
-        .par_iter()
-        .map(|drive| MeasuredDrive::of(drive, vehicle, slope_bandwidth_m))
+        .into_par_iter()
+        .map(|motions| MeasuredDrive::of(motions, vehicle))
         .collect::<Result<_, Error>>()?;
     let (measured, left_out_drives) = usable(measured)?;
     let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
@@ -303,17 +302,17 @@ impl MeasuredDrive {
         })
     }
 
-    fn of(drive: &Drive, vehicle: &Vehicle, slope_bandwidth_m: f64) -> Result<Self, Error> {
+    fn of(motions: &[Motion], vehicle: &Vehicle) -> Result<Self, Error> {
         let mut trip = CalibrationTrip::default();
         let mut ambient_degc = None;
-        for log in &drive.pieces {
-            let input = EnergyInput::of(log, slope_bandwidth_m)?;
+        for motion in motions {
+            let input = EnergyInput::of(motion);
             ambient_degc = ambient_degc.or(input.weather.map(|weather| weather.temperature_degc));
             trip.add(vehicle, &input.trip(), &input.power_w)
-                .map_err(|error| Error::from(error).in_log(log.name()))?;
+                .map_err(|error| Error::from(error).in_log(motion.name()))?;
         }
         Ok(Self {
-            name: drive.name.clone(),
+            name: motion::name(motions).to_owned(),
             ambient_degc,
             measured_j: trip.compare(vehicle)?.measured_j,
             trip,

@@ -1,95 +1,14 @@
 //! What the vehicle model needs of a drive, from what the log has.
 
 use drive_log::{Channel, DriveLog};
-use ev_energy::{Trip, Vehicle, Weather, slope_from_accelerometer, slope_from_elevation};
-use serde::{Serialize, Serializer};
+use ev_energy::{Trip, Vehicle, Weather};
 
-use crate::Error;
-
-/// Where the slope of a drive comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SlopeSource {
-    /// The log has it.
-    Recorded,
-    /// Accelerometer over short distances, elevation over long ones.
-    ElevationAndAccelerometer,
-    /// Accelerometer; level over long distances.
-    Accelerometer,
-    /// Elevation.
-    Elevation,
-    /// Nothing: a level road.
-    #[default]
-    Level,
-}
-
-impl SlopeSource {
-    /// In words.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Recorded => "recorded",
-            Self::ElevationAndAccelerometer => "elevation and accelerometer",
-            Self::Accelerometer => "accelerometer",
-            Self::Elevation => "elevation",
-            Self::Level => "level",
-        }
-    }
-}
-
-impl Serialize for SlopeSource {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
-/// Slope at every sample of a drive, `None` for a level road: as recorded, else from accelerometer and elevation as far as the log
-/// has them. Unknown stretches count as level.
-///
-/// # Errors
-/// [`Error::Energy`] for a bandwidth out of range.
-pub fn slope_rad(log: &DriveLog, bandwidth_m: f64) -> Result<Option<Vec<f64>>, Error> {
-    Ok(slope(log, bandwidth_m)?.1)
-}
-
-/// As [`slope_rad`], with where it comes from; an error names the log.
-fn slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f64>>), Error> {
-    found_slope(log, bandwidth_m).map_err(|error| error.in_log(log.name()))
-}
-
-fn found_slope(log: &DriveLog, bandwidth_m: f64) -> Result<(SlopeSource, Option<Vec<f64>>), Error> {
-    let elevation_m = log.channel(Channel::Elevation);
-    if let Some(slope_rad) = log.channel(Channel::Slope) {
-        let known = |slope: &f64| if slope.is_finite() { *slope } else { 0.0 };
-        let slope_rad = slope_rad.iter().map(known).collect();
-        return Ok((SlopeSource::Recorded, Some(slope_rad)));
-    }
-    if let Some(accelerometer_mps2) = log.channel(Channel::Accelerometer) {
-        let source = match elevation_m {
-            Some(_) => SlopeSource::ElevationAndAccelerometer,
-            None => SlopeSource::Accelerometer,
-        };
-        let slope_rad = slope_from_accelerometer(
-            log.step_s(),
-            log.speed_mps(),
-            accelerometer_mps2,
-            elevation_m,
-            bandwidth_m,
-        )?;
-        return Ok((source, Some(slope_rad)));
-    }
-    let Some(elevation_m) = elevation_m else {
-        return Ok((SlopeSource::Level, None));
-    };
-    let slope_rad = slope_from_elevation(&log.place_m(), elevation_m, bandwidth_m)?;
-    Ok((SlopeSource::Elevation, Some(slope_rad)))
-}
+use crate::{Error, Motion};
 
 /// What a vehicle model takes from a piece of a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct EnergyInput<'a> {
-    log: &'a DriveLog,
-    slope_rad: Option<Vec<f64>>,
-    pub(crate) slope_source: SlopeSource,
+    motion: &'a Motion,
     extra_aux_power_w: Option<Vec<f64>>,
     /// The channels of which the auxiliary power is made.
     pub(crate) aux_channels: Vec<Channel>,
@@ -100,30 +19,28 @@ pub(crate) struct EnergyInput<'a> {
 }
 
 impl<'a> EnergyInput<'a> {
-    pub(crate) fn of(log: &'a DriveLog, slope_bandwidth_m: f64) -> Result<Self, Error> {
+    pub(crate) fn of(motion: &'a Motion) -> Self {
+        let log = motion.log();
         let aux_channels: Vec<Channel> = [Channel::AuxPower, Channel::HeatingPower]
             .into_iter()
             .filter(|channel| log.channel(*channel).is_some())
             .collect();
-        let (slope_source, slope_rad) = slope(log, slope_bandwidth_m)?;
-        Ok(Self {
-            log,
-            slope_rad,
-            slope_source,
+        Self {
+            motion,
             extra_aux_power_w: extra_aux_power_w(log, &aux_channels),
             aux_channels,
             weather: weather(log),
             soc_start_pct: soc_start_pct(log),
             power_w: terminal_power_w(log),
-        })
+        }
     }
 
     /// The motion, for a vehicle model.
     pub(crate) fn trip(&self) -> Trip<'_> {
         Trip {
-            step_s: self.log.step_s(),
-            speed_mps: self.log.speed_mps(),
-            slope_rad: self.slope_rad.as_deref(),
+            step_s: self.motion.step_s(),
+            speed_mps: self.motion.speed_mps(),
+            slope_rad: self.motion.slope_rad(),
             extra_aux_power_w: self.extra_aux_power_w.as_deref(),
             weather: self.weather,
             soc_start_pct: self.soc_start_pct,
@@ -132,7 +49,7 @@ impl<'a> EnergyInput<'a> {
 
     /// Terminal energy of a vehicle minus that on the same motion without slope, J.
     pub(crate) fn slope_energy_j(&self, vehicle: &Vehicle, energy_j: f64) -> Result<f64, Error> {
-        if self.slope_rad.is_none() {
+        if self.motion.slope_rad().is_none() {
             return Ok(0.0);
         }
         let level = Trip {

@@ -3,17 +3,16 @@
 mod calibration;
 mod input;
 
-use drive_log::{Channel, Drive};
+use drive_log::Channel;
 use ev_energy::{Comparison, OperatingPoint, PowerAverager, PowerMean, TripEnergy, Vehicle};
 use serde::Serialize;
 
-use crate::Error;
+use crate::{Error, Motion, SlopeSource};
 pub use calibration::{
     CalibrationReport, CalibrationScore, CalibrationTripScore, ResidualBin, Residuals,
     calibrate_vehicle,
 };
 use input::EnergyInput;
-pub use input::{SlopeSource, slope_rad};
 
 /// Energy of a drive, model against measurement.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -171,7 +170,7 @@ pub struct EnergyStep {
     pub measured_power_w: Option<f64>,
 }
 
-/// Calls `visit` with every step of a drive, piece by piece.
+/// Calls `visit` with every step of a drive, given piece by piece.
 ///
 /// Auxiliary power is the vehicle's constant plus the log's auxiliary and heating power where it has them. The state of charge is
 /// followed from the log's first one.
@@ -179,17 +178,16 @@ pub struct EnergyStep {
 /// # Errors
 /// [`Error::Energy`] for samples outside the vehicle model's range.
 pub fn drive_energy(
-    drive: &Drive,
+    motions: &[Motion],
     vehicle: &Vehicle,
-    slope_bandwidth_m: f64,
     mut visit: impl FnMut(&EnergyStep),
 ) -> Result<DriveEnergy, Error> {
     let mut total = DriveEnergy::default();
     let mut comparison = Comparison::default();
-    for (index, log) in drive.pieces.iter().enumerate() {
-        let input = EnergyInput::of(log, slope_bandwidth_m)?;
+    for (index, motion) in motions.iter().enumerate() {
+        let (log, input) = (motion.log(), EnergyInput::of(motion));
         if index == 0 {
-            total.slope.source = input.slope_source;
+            total.slope.source = motion.slope_source();
             total.auxiliaries.source = aux_source(vehicle, &input.aux_channels);
             total.ambient_degc = input.weather.map(|weather| weather.temperature_degc);
             total.soc_start_pct = input.soc_start_pct;

@@ -2,8 +2,8 @@ use std::ops::{Range, RangeInclusive};
 
 use drive_log::{Channel, DriveLog};
 
-use crate::INFLUENCE_GAP_S;
 use crate::grid::{above, at_least, below};
+use crate::{INFLUENCE_GAP_S, Motion};
 
 /// Which stretches count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,7 +101,8 @@ const SLOPE_WINDOW_S: f64 = 1.0;
 /// of the leader, where its rate of change jumps. That speed is then the own one plus the slope of the gap over the 2 s
 /// around the sample. Empty where the log has no gap.
 #[must_use]
-pub fn following_stretches(log: &DriveLog, settings: &FollowingSettings) -> Vec<FollowingStretch> {
+pub fn following_stretches(motion: &Motion, settings: &FollowingSettings) -> Vec<FollowingStretch> {
+    let log = motion.log();
     let Some(gap_m) = log.channel(Channel::LeadGap) else {
         return Vec::new();
     };
@@ -217,6 +218,8 @@ fn samples(duration_s: f64, step_s: f64) -> usize {
 mod tests {
     use std::collections::BTreeMap;
 
+    use drive_log::DriveLog;
+
     use super::*;
 
     const STEP_S: f64 = 0.1;
@@ -234,7 +237,8 @@ mod tests {
     }
 
     fn stretches(log: &DriveLog) -> Vec<FollowingStretch> {
-        following_stretches(log, &FollowingSettings::default())
+        let motion = Motion::of_log(log, 100.0).unwrap();
+        following_stretches(&motion, &FollowingSettings::default())
     }
 
     #[test]

@@ -2,8 +2,7 @@ use drive_log::{DriveLog, hann};
 use ev_energy::{JOULES_PER_KWH, Vehicle};
 use serde::Serialize;
 
-use crate::Error;
-use crate::energy::slope_rad;
+use crate::{Error, Motion};
 
 /// Energy of the recorded driving, and of the same drives with the speed averaged over [`SMOOTH_WINDOW_S`].
 ///
@@ -27,20 +26,16 @@ pub struct Economy {
 pub const SMOOTH_WINDOW_S: f64 = 10.0;
 
 impl Economy {
-    pub(super) fn of(
-        logs: &[&DriveLog],
-        vehicle: &Vehicle,
-        slope_bandwidth_m: f64,
-    ) -> Result<Self, Error> {
+    pub(super) fn of(motions: &[Motion], vehicle: &Vehicle) -> Result<Self, Error> {
         let (mut recorded_j, mut smooth_j, mut brake_j) = (0.0, 0.0, 0.0);
         let (mut distance_m, mut largest_deviation_m) = (0.0, 0.0_f64);
-        for log in logs {
-            let slope_rad = slope_rad(log, slope_bandwidth_m)?;
+        for motion in motions {
+            let log = motion.log();
             let energy = |speed_mps: &[f64]| {
                 let trip = ev_energy::Trip {
                     step_s: log.step_s(),
                     speed_mps,
-                    slope_rad: slope_rad.as_deref(),
+                    slope_rad: motion.slope_rad(),
                     ..ev_energy::Trip::default()
                 };
                 let energy = vehicle.trip_energy(&trip);

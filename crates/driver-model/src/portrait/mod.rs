@@ -7,7 +7,6 @@ mod economy;
 mod headway;
 mod pace;
 
-use drive_log::Drive;
 use ev_energy::Vehicle;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -19,7 +18,7 @@ pub use economy::{Economy, SMOOTH_WINDOW_S};
 pub use headway::{Headway, HeadwayBin};
 pub use pace::{AccelBin, AccelOverSpeed};
 
-use crate::{Error, PhaseKind, PhaseSettings, Trip};
+use crate::{Error, Motion, PhaseKind, PhaseSettings, Trip, motion};
 
 /// A driver in figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,30 +49,29 @@ impl Portrait {
     /// # Errors
     /// Whatever segmentation and the vehicle model refuse.
     pub fn of(
-        drives: &[&Drive],
+        motions: &[Motion],
         vehicle: &Vehicle,
         settings: &PhaseSettings,
     ) -> Result<Self, Error> {
+        let drives: Vec<&[Motion]> = motion::drives(motions).collect();
         let trips = drives
             .par_iter()
-            .map(|drive| Trip::from_drive(drive, settings))
+            .map(|drive| Trip::of_drive(drive, settings))
             .collect::<Result<Vec<_>, _>>()?;
-        let logs = || drives.iter().flat_map(|drive| &drive.pieces);
-        let all: Vec<_> = logs().collect();
+        let logs: Vec<_> = motions.iter().map(Motion::log).collect();
         Ok(Self {
             drives: drives.len(),
-            distance_m: logs()
-                .filter_map(|log| log.distance_m().last().copied())
+            distance_m: motions
+                .iter()
+                .filter_map(|motion| motion.distance_m().last())
                 .sum(),
-            duration_s: logs()
-                .map(|log| (log.len() - 1) as f64 * log.step_s())
-                .sum(),
+            duration_s: motions.iter().map(Motion::duration_s).sum(),
             acceleration: AccelOverSpeed::of(PhaseKind::Acceleration, &trips),
             braking: AccelOverSpeed::of(PhaseKind::Braking, &trips),
             limits: cruise::limit_keeping(&trips),
-            headway: Headway::of(&all),
-            dynamics: Dynamics::of(&all),
-            economy: Economy::of(&all, vehicle, settings.slope_bandwidth_m)?,
+            headway: Headway::of(&logs),
+            dynamics: Dynamics::of(&logs),
+            economy: Economy::of(motions, vehicle)?,
         })
     }
 }

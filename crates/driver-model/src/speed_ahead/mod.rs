@@ -1,14 +1,12 @@
 //! The speed of the next seconds, or of a whole trip, from speed limits and own past: chapter 4 of the thesis, and beyond it.
 
 mod boosted_trees;
-mod course;
 mod direct;
 mod kind;
 mod predictors;
 mod selection;
 mod trial;
 
-pub use course::Course;
 pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead, origins};
 pub use kind::DirectKind;
 pub use trial::{FittedTrial, Trial, TrialSettings};

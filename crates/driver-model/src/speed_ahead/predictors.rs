@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Course;
+use crate::Motion;
 
 /// One predictor. Speeds before the first sample count as the first speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -88,11 +88,11 @@ pub(super) fn predictors(step_s: f64, limits: bool, slope: bool) -> Vec<Weighted
     chosen
 }
 
-/// Rows of predictors of a course, one per origin: value `j` of origin `i` at `i·predictors + j`.
-pub(super) fn rows(course: &Course, predictors: &[Predictor], origins: &[usize]) -> Vec<f64> {
+/// Rows of predictors of a motion, one per origin: value `j` of origin `i` at `i·predictors + j`.
+pub(super) fn rows(motion: &Motion, predictors: &[Predictor], origins: &[usize]) -> Vec<f64> {
     let columns: Vec<Vec<f64>> = predictors
         .iter()
-        .map(|predictor| predictor.column(course, origins))
+        .map(|predictor| predictor.column(motion, origins))
         .collect();
     (0..origins.len())
         .flat_map(|i| columns.iter().map(move |column| column[i]))
@@ -115,30 +115,30 @@ impl Predictor {
         }
     }
 
-    fn column(self, course: &Course, origins: &[usize]) -> Vec<f64> {
-        let v = &course.speed_mps;
+    fn column(self, motion: &Motion, origins: &[usize]) -> Vec<f64> {
+        let v = motion.speed_mps();
         let at = |of: &dyn Fn(usize) -> f64| origins.iter().map(|&i| of(i)).collect();
         match self {
             Self::Speed => at(&|i| v[i]),
             Self::Change { lag_s } => {
-                let lag = course.samples_in(lag_s);
+                let lag = motion.samples_in(lag_s);
                 at(&|i| v[i] - v[i.saturating_sub(lag)])
             }
             Self::Deviation { window_s } => {
                 let moments = Moments::of(v);
-                let window = course.samples_in(window_s);
+                let window = motion.samples_in(window_s);
                 at(&|i| moments.deviation(i.saturating_sub(window), i))
             }
             Self::Mean { window_s } => {
                 let moments = Moments::of(v);
-                let window = course.samples_in(window_s);
+                let window = motion.samples_in(window_s);
                 at(&|i| moments.mean(i.saturating_sub(window), i))
             }
             Self::Greatest { window_s } => {
-                let greatest = running_maximum(v, course.samples_in(window_s));
+                let greatest = running_maximum(v, motion.samples_in(window_s));
                 at(&|i| greatest[i])
             }
-            Self::Elapsed { cap_s } => at(&|i| (i as f64 * course.step_s).min(cap_s)),
+            Self::Elapsed { cap_s } => at(&|i| (i as f64 * motion.step_s()).min(cap_s)),
             Self::Unchanged { cap_s } => {
                 let mut since = 0;
                 let last_change = (0..v.len()).map(|i| {
@@ -148,19 +148,19 @@ impl Predictor {
                     since
                 });
                 let last_change: Vec<usize> = last_change.collect();
-                at(&|i| ((i - last_change[i]) as f64 * course.step_s).min(cap_s))
+                at(&|i| ((i - last_change[i]) as f64 * motion.step_s()).min(cap_s))
             }
-            Self::Limit { seconds } => match &course.limit_mps {
-                Some(limit) => at(&|i| limit[ahead(course, i, v[i] * seconds)]),
+            Self::Limit { seconds } => match motion.limit_mps() {
+                Some(limit) => at(&|i| limit[ahead(motion, i, v[i] * seconds)]),
                 None => vec![0.0; origins.len()],
             },
-            Self::Slope { seconds } => match &course.slope_rad {
+            Self::Slope { seconds } => match motion.slope_rad() {
                 Some(slope) => {
                     let moments = Moments::of(slope);
                     at(&|i| {
                         moments.mean(
                             i,
-                            ahead(course, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M)),
+                            ahead(motion, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M)),
                         )
                     })
                 }
@@ -171,10 +171,10 @@ impl Predictor {
 }
 
 /// The first sample at least this far ahead, or the last.
-fn ahead(course: &Course, from: usize, distance_m: f64) -> usize {
-    let place = course.distance_m[from] + distance_m;
-    let behind = course.distance_m[from..].partition_point(|&s| s < place);
-    (from + behind).min(course.len() - 1)
+fn ahead(motion: &Motion, from: usize, distance_m: f64) -> usize {
+    let place = motion.distance_m()[from] + distance_m;
+    let behind = motion.distance_m()[from..].partition_point(|&s| s < place);
+    (from + behind).min(motion.len() - 1)
 }
 
 /// Sums that give mean and deviation of any window.
@@ -237,21 +237,12 @@ fn running_maximum(values: &[f64], window: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use drive_log::Channel;
+
     use super::*;
 
-    fn course(speed_mps: Vec<f64>) -> Course {
-        let mut distance_m = vec![0.0];
-        for pair in speed_mps.windows(2) {
-            distance_m.push(distance_m[distance_m.len() - 1] + 0.5 * (pair[0] + pair[1]));
-        }
-        Course {
-            name: "test".to_owned(),
-            step_s: 1.0,
-            limit_mps: None,
-            slope_rad: None,
-            speed_mps,
-            distance_m,
-        }
+    fn motion(speed_mps: Vec<f64>) -> Motion {
+        Motion::of_channels("test", 1.0, [(Channel::Speed, speed_mps)])
     }
 
     #[test]
@@ -259,12 +250,12 @@ mod tests {
         let speeds: Vec<f64> = (0..200)
             .map(|i| 10.0 + 5.0 * f64::from(i * i % 17) / 17.0)
             .collect();
-        let course = course(speeds.clone());
+        let motion = motion(speeds.clone());
         let origins: Vec<usize> = (0..200).collect();
         let window = |i: usize, n: usize| &speeds[i.saturating_sub(n)..=i];
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         for (i, row) in rows(
-            &course,
+            &motion,
             &[
                 Predictor::Mean { window_s: 60.0 },
                 Predictor::Greatest { window_s: 60.0 },
@@ -287,9 +278,13 @@ mod tests {
 
     #[test]
     fn the_limit_ahead_is_looked_up_by_distance() {
-        let mut course = course(vec![10.0; 20]);
-        course.limit_mps = Some((0..20).map(|i| if i < 10 { 14.0 } else { 8.0 }).collect());
-        let values = rows(&course, &[Predictor::Limit { seconds: 4.0 }], &[5, 6, 19]);
+        let limit_mps = (0..20).map(|i| if i < 10 { 14.0 } else { 8.0 });
+        let channels = [
+            (Channel::Speed, vec![10.0; 20]),
+            (Channel::SpeedLimit, limit_mps.collect()),
+        ];
+        let motion = Motion::of_channels("test", 1.0, channels);
+        let values = rows(&motion, &[Predictor::Limit { seconds: 4.0 }], &[5, 6, 19]);
         assert_eq!(values, [14.0, 8.0, 8.0]);
     }
 }

@@ -1,8 +1,8 @@
 //! Which drives the speed ahead can be learnt from and judged on.
 
+use super::DirectSettings;
 use super::direct::LEAST_PAST_S;
-use super::{Course, DirectSettings};
-use crate::{Error, LeftOut};
+use crate::{Error, LeftOut, Motion};
 
 /// Where drives with speed limits are less of the time than this, no limits are used: the others would be too much to lose.
 const LEAST_WITH_LIMITS: f64 = 0.5;
@@ -11,7 +11,7 @@ const LEAST_WITH_LIMITS: f64 = 0.5;
 const NO_LIMITS: &str = "no speed limits, which the others have";
 
 /// A drive with the number of its unit.
-type OfUnit = (usize, Course);
+type OfUnit = (usize, Motion);
 
 impl DirectSettings {
     /// The drives that are long enough for the longest horizon. Where those with speed limits are half of their time, the others
@@ -20,11 +20,11 @@ impl DirectSettings {
     /// # Errors
     /// [`Error::NothingUsable`] where no drive is left, [`Error::Option`] for settings out of range, [`Error::Steps`] for drives of
     /// different sampling intervals.
-    pub fn usable(&self, courses: Vec<Course>) -> Result<(Vec<Course>, Vec<LeftOut>), Error> {
-        let numbered = courses.into_iter().map(|course| (0, course)).collect();
+    pub fn usable(&self, motions: Vec<Motion>) -> Result<(Vec<Motion>, Vec<LeftOut>), Error> {
+        let numbered = motions.into_iter().map(|motion| (0, motion)).collect();
         let (usable, left_out) = self.usable_of_units(numbered)?;
         Ok((
-            usable.into_iter().map(|(_, course)| course).collect(),
+            usable.into_iter().map(|(_, motion)| motion).collect(),
             left_out,
         ))
     }
@@ -35,14 +35,14 @@ impl DirectSettings {
     /// As [`usable`](Self::usable).
     pub fn usable_of_units(
         &self,
-        courses: Vec<OfUnit>,
+        motions: Vec<OfUnit>,
     ) -> Result<(Vec<OfUnit>, Vec<LeftOut>), Error> {
         self.check()?;
         let (mut usable, mut left_out) = (Vec::new(), Vec::new());
-        for (unit, course) in courses {
-            match self.too_short(&course) {
-                Some(reason) => left_out.push(LeftOut::new(&course.name, reason)),
-                None => usable.push((unit, course)),
+        for (unit, motion) in motions {
+            match self.too_short(&motion) {
+                Some(reason) => left_out.push(LeftOut::new(motion.name(), reason)),
+                None => usable.push((unit, motion)),
             }
         }
         with_or_without_limits(&mut usable, &mut left_out);
@@ -50,7 +50,7 @@ impl DirectSettings {
             let task = "the speed ahead";
             return Err(Error::NothingUsable { task, left_out });
         }
-        same_step(usable.iter().map(|(_, course)| course))?;
+        same_step(usable.iter().map(|(_, motion)| motion))?;
         Ok((usable, left_out))
     }
 
@@ -59,46 +59,45 @@ impl DirectSettings {
     }
 
     /// Why a drive has no moment, `None` where it has one.
-    fn too_short(&self, course: &Course) -> Option<String> {
+    fn too_short(&self, motion: &Motion) -> Option<String> {
         let longest_s = self.longest_s();
-        let needed = course.samples_in(LEAST_PAST_S) + course.samples_in(longest_s);
-        (course.len() <= needed)
+        let needed = motion.samples_in(LEAST_PAST_S) + motion.samples_in(longest_s);
+        (motion.len() <= needed)
             .then(|| format!("not longer than {LEAST_PAST_S} s of past and {longest_s} s ahead"))
     }
 }
 
 /// Leaves out the drives without limits, or all limits: where the drives with limits are few, or are of one unit, which leaves nothing
 /// to learn from when it is held out.
-fn with_or_without_limits(usable: &mut Vec<(usize, Course)>, left_out: &mut Vec<LeftOut>) {
-    let time_s = |(_, course): &(usize, Course)| course.len() as f64 * course.step_s;
-    let has_limits = |(_, course): &(usize, Course)| course.limit_mps.is_some();
+fn with_or_without_limits(usable: &mut Vec<(usize, Motion)>, left_out: &mut Vec<LeftOut>) {
+    let time_s = |(_, motion): &(usize, Motion)| motion.len() as f64 * motion.step_s();
+    let has_limits = |(_, motion): &(usize, Motion)| motion.limit_mps().is_some();
     let all_s: f64 = usable.iter().map(time_s).sum();
     let with_limits: Vec<_> = usable.iter().filter(|c| has_limits(c)).collect();
     let with_limits_s: f64 = with_limits.iter().map(|c| time_s(c)).sum();
-    let one_unit = |units: &[&(usize, Course)]| units.windows(2).all(|pair| pair[0].0 == pair[1].0);
+    let one_unit = |units: &[&(usize, Motion)]| units.windows(2).all(|pair| pair[0].0 == pair[1].0);
     let costs_the_rest = one_unit(&with_limits) && !one_unit(&usable.iter().collect::<Vec<_>>());
     if with_limits_s < LEAST_WITH_LIMITS * all_s || costs_the_rest {
-        for (_, course) in usable {
-            course.limit_mps = None;
-        }
+        let all = std::mem::take(usable).into_iter();
+        usable.extend(all.map(|(unit, motion)| (unit, motion.without_limits())));
         return;
     }
-    usable.retain(|course| {
-        if !has_limits(course) {
-            left_out.push(LeftOut::new(&course.1.name, NO_LIMITS));
+    usable.retain(|motion| {
+        if !has_limits(motion) {
+            left_out.push(LeftOut::new(motion.1.name(), NO_LIMITS));
         }
-        has_limits(course)
+        has_limits(motion)
     });
 }
 
 /// Refuses drives of different sampling intervals.
-fn same_step<'a>(mut courses: impl Iterator<Item = &'a Course> + Clone) -> Result<(), Error> {
-    let expected_s = courses.clone().next().map_or(1.0, |course| course.step_s);
-    match courses.find(|course| (course.step_s - expected_s).abs() > 1e-9) {
+fn same_step<'a>(mut motions: impl Iterator<Item = &'a Motion> + Clone) -> Result<(), Error> {
+    let expected_s = motions.clone().next().map_or(1.0, |motion| motion.step_s());
+    match motions.find(|motion| (motion.step_s() - expected_s).abs() > 1e-9) {
         None => Ok(()),
         Some(other) => Err(Error::Steps {
-            log: other.name.clone(),
-            found_s: other.step_s,
+            log: other.name().to_owned(),
+            found_s: other.step_s(),
             expected_s,
         }),
     }

@@ -14,8 +14,8 @@
 
 use svr::{Fit, Kernel, Penalty, Response, Samples, Scaling, Settings};
 
-use super::{Course, FIT_MEMORY_BYTES};
-use crate::Error;
+use super::FIT_MEMORY_BYTES;
+use crate::{Error, Motion};
 
 /// Fewer samples teach nothing.
 const LEAST_SAMPLES: usize = 8;
@@ -126,23 +126,24 @@ impl Trial {
     /// # Errors
     /// [`Error::NoLimits`] for a drive without, [`Error::TooFewMoments`] where there is hardly a sample, and what the
     /// regression refuses.
-    pub fn fit(self, courses: &[&Course], settings: &TrialSettings) -> Result<FittedTrial, Error> {
+    pub fn fit(self, motions: &[&Motion], settings: &TrialSettings) -> Result<FittedTrial, Error> {
         let past = self.past_speeds(settings);
         let (mut rows, mut responses) = (Vec::new(), Vec::new());
-        let total: usize = courses
+        let total: usize = motions
             .iter()
-            .map(|course| course.len().saturating_sub(past))
+            .map(|motion| motion.len().saturating_sub(past))
             .sum();
         let most = settings.max_samples.max(LEAST_SAMPLES);
         let mut seen = 0;
-        for course in courses {
-            let limits = Limits::of(course, settings.window_s)?;
-            for k in past..course.len() {
+        for motion in motions {
+            let limits = Limits::of(motion, settings.window_s)?;
+            for k in past..motion.len() {
                 let chosen = total <= most || seen * most / total != (seen + 1) * most / total;
                 seen += 1;
                 if chosen {
-                    self.row(&limits, k, &course.speed_mps[k - past..k], &mut rows);
-                    responses.push(course.speed_mps[k] - self.base(course.speed_mps[..k].last()));
+                    self.row(&limits, k, &motion.speed_mps()[k - past..k], &mut rows);
+                    responses
+                        .push(motion.speed_mps()[k] - self.base(motion.speed_mps()[..k].last()));
                 }
             }
         }
@@ -222,18 +223,18 @@ impl FittedTrial {
     ///
     /// # Errors
     /// [`Error::NoLimits`] for a drive without.
-    pub fn predict(&self, course: &Course) -> Result<Vec<f64>, Error> {
-        let limits = Limits::of(course, self.settings.window_s)?;
-        let past = self.trial.past_speeds(&self.settings).min(course.len());
-        let mut speed_mps = course.speed_mps[..past].to_vec();
+    pub fn predict(&self, motion: &Motion) -> Result<Vec<f64>, Error> {
+        let limits = Limits::of(motion, self.settings.window_s)?;
+        let past = self.trial.past_speeds(&self.settings).min(motion.len());
+        let mut speed_mps = motion.speed_mps()[..past].to_vec();
         let predictor = self.fit.model.predictor();
         let mut row = Vec::new();
-        for k in past..course.len() {
+        for k in past..motion.len() {
             row.clear();
             self.trial.row(&limits, k, &speed_mps[k - past..], &mut row);
             let Ok(samples) = Samples::new(&row, row.len()) else {
                 // The recursion has run away beyond all numbers.
-                speed_mps.resize(course.len(), f64::NAN);
+                speed_mps.resize(motion.len(), f64::NAN);
                 break;
             };
             let change = predictor.predict(&samples)?[0];
@@ -249,16 +250,16 @@ impl FittedTrial {
     /// [`Error::NoLimits`] for a drive without.
     pub fn predict_ahead(
         &self,
-        course: &Course,
+        motion: &Motion,
         origins: &[usize],
         steps: usize,
     ) -> Result<Vec<Vec<f64>>, Error> {
-        let limits = Limits::of(course, self.settings.window_s)?;
+        let limits = Limits::of(motion, self.settings.window_s)?;
         let past = self.trial.past_speeds(&self.settings);
         let predictor = self.fit.model.predictor();
         let known = |origin: usize| {
             let known =
-                (0..past).map(|back| course.speed_mps[origin.saturating_sub(past - 1 - back)]);
+                (0..past).map(|back| motion.speed_mps()[origin.saturating_sub(past - 1 - back)]);
             known.collect::<Vec<f64>>()
         };
         let mut speeds: Vec<Vec<f64>> = origins.iter().map(|&origin| known(origin)).collect();
@@ -266,7 +267,7 @@ impl FittedTrial {
         for step in 1..=steps {
             rows.clear();
             for (&origin, speeds) in origins.iter().zip(&speeds) {
-                let k = (origin + step).min(course.len() - 1);
+                let k = (origin + step).min(motion.len() - 1);
                 self.trial
                     .row(&limits, k, &speeds[speeds.len() - past..], &mut rows);
             }
@@ -296,14 +297,14 @@ struct Limits<'a> {
 }
 
 impl<'a> Limits<'a> {
-    fn of(course: &'a Course, window_s: f64) -> Result<Self, Error> {
-        let recorded = course.limit_mps.as_deref().ok_or_else(|| Error::NoLimits {
-            log: course.name.clone(),
+    fn of(motion: &'a Motion, window_s: f64) -> Result<Self, Error> {
+        let recorded = motion.limit_mps().ok_or_else(|| Error::NoLimits {
+            log: motion.name().to_owned(),
         })?;
         let standing = |(limit, speed): (&f64, &f64)| if *speed > 0.0 { *limit } else { 0.0 };
         let limit_mps: Vec<f64> = recorded
             .iter()
-            .zip(&course.speed_mps)
+            .zip(motion.speed_mps())
             .map(standing)
             .collect();
         let mut runs = Vec::with_capacity(limit_mps.len());
@@ -311,10 +312,10 @@ impl<'a> Limits<'a> {
             let start = runs.len();
             runs.extend(std::iter::repeat_n((start, start + run.len()), run.len()));
         }
-        let half_window = course.samples_in(0.5 * window_s);
+        let half_window = motion.samples_in(0.5 * window_s);
         Ok(Self {
             limit_mps,
-            distance_m: &course.distance_m,
+            distance_m: motion.distance_m(),
             runs,
             half_window,
         })
@@ -346,35 +347,29 @@ impl<'a> Limits<'a> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::float_cmp)]
 mod tests {
+    use drive_log::Channel;
+
     use super::*;
 
     /// 100 s at 10 Hz; the limit falls after 40 s, the car stands from 70 s on.
-    fn course() -> Course {
+    fn motion() -> Motion {
         let limit = |i: usize| if i < 400 { 20.0 } else { 10.0 };
         let speed = |i: usize| if i < 700 { limit(i) - 1.0 } else { 0.0 };
-        let speed_mps: Vec<f64> = (0..1000).map(speed).collect();
-        let mut distance_m = vec![0.0];
-        for pair in speed_mps.windows(2) {
-            distance_m.push(distance_m[distance_m.len() - 1] + 0.05 * (pair[0] + pair[1]));
-        }
-        Course {
-            name: "test".to_owned(),
-            step_s: 0.1,
-            limit_mps: Some((0..1000).map(limit).collect()),
-            slope_rad: None,
-            speed_mps,
-            distance_m,
-        }
+        let channels = [
+            (Channel::Speed, (0..1000).map(speed).collect()),
+            (Channel::SpeedLimit, (0..1000).map(limit).collect()),
+        ];
+        Motion::of_channels("test", 0.1, channels)
     }
 
     #[test]
     fn places_know_the_limits_around_them_and_a_standing_car_has_none() {
-        let course = course();
-        let limits = Limits::of(&course, 10.0).unwrap();
+        let motion = motion();
+        let limits = Limits::of(&motion, 10.0).unwrap();
         let [here, next, before, to_next, since] = limits.place(390);
         assert_eq!((here, next, before), (20.0, 10.0, 20.0));
-        assert!((to_next - (course.distance_m[400] - course.distance_m[390])).abs() < 1e-9);
-        assert!((since - course.distance_m[390]).abs() < 1e-9);
+        assert!((to_next - (motion.distance_m()[400] - motion.distance_m()[390])).abs() < 1e-9);
+        assert!((since - motion.distance_m()[390]).abs() < 1e-9);
         let [here, next, before, ..] = limits.place(650);
         assert_eq!((here, next, before), (10.0, 0.0, 20.0));
         assert!(limits.place(999)[0].abs() < 1e-12);
@@ -382,8 +377,8 @@ mod tests {
 
     #[test]
     fn windows_span_ten_seconds_and_are_held_at_the_ends() {
-        let course = course();
-        let limits = Limits::of(&course, 10.0).unwrap();
+        let motion = motion();
+        let limits = Limits::of(&motion, 10.0).unwrap();
         let window = |k| {
             let mut row = Vec::new();
             limits.window(k, &mut row);
@@ -397,13 +392,13 @@ mod tests {
 
     #[test]
     fn one_step_ahead_is_the_first_step_of_the_recursion() {
-        let course = course();
+        let motion = motion();
         for trial in Trial::ALL {
-            let fitted = trial.fit(&[&course], &TrialSettings::default()).unwrap();
+            let fitted = trial.fit(&[&motion], &TrialSettings::default()).unwrap();
             assert_eq!(fitted.fit.status, svr::Status::Optimal, "{trial:?}");
             let past = trial.past_speeds(&fitted.settings).max(1);
-            let whole = fitted.predict(&course).unwrap();
-            let ahead = fitted.predict_ahead(&course, &[past - 1], 20).unwrap();
+            let whole = fitted.predict(&motion).unwrap();
+            let ahead = fitted.predict_ahead(&motion, &[past - 1], 20).unwrap();
             for (k, speed) in ahead[0].iter().enumerate() {
                 assert!((speed - whole[past + k]).abs() < 1e-9, "{trial:?} {k}");
             }
@@ -412,11 +407,8 @@ mod tests {
 
     #[test]
     fn without_limits_there_is_no_trial() {
-        let course = Course {
-            limit_mps: None,
-            ..course()
-        };
-        let error = Trial::Place.fit(&[&course], &TrialSettings::default());
+        let motion = motion().without_limits();
+        let error = Trial::Place.fit(&[&motion], &TrialSettings::default());
         assert!(matches!(error, Err(Error::NoLimits { .. })));
     }
 }

@@ -1,10 +1,8 @@
-use drive_log::DriveLog;
-
 use super::habit::WantedSpeed;
 use super::law_fit::laws;
 use super::recording::RecordedTrip;
 use super::{Slowdowns, TripDriver};
-use crate::{Error, LeftOut};
+use crate::{Error, LeftOut, Motion};
 
 impl TripDriver {
     /// Learns from logs that know the speed limit in every sample. Vehicles ahead are part of it: who predicts from the road
@@ -16,10 +14,10 @@ impl TripDriver {
     /// # Errors
     /// [`Error::Log`] where a limit is missing: a log without limits, or with limits in parts, cannot be used; cut it there.
     /// [`Error::Option`] for a limit that is none, [`Error::Fit`] without logs.
-    pub fn fit(logs: &[&DriveLog]) -> Result<Self, Error> {
-        let recordings = logs
+    pub fn fit(motions: &[&Motion]) -> Result<Self, Error> {
+        let recordings = motions
             .iter()
-            .map(|log| RecordedTrip::of(log))
+            .map(|motion| RecordedTrip::of(motion))
             .collect::<Result<Vec<_>, _>>()?;
         Self::fit_recorded(&recordings.iter().collect::<Vec<_>>())
     }
@@ -28,12 +26,12 @@ impl TripDriver {
     ///
     /// # Errors
     /// [`Error::NothingUsable`] where there is no such log.
-    pub fn fit_usable(logs: &[&DriveLog]) -> Result<(Self, Vec<LeftOut>), Error> {
+    pub fn fit_usable(motions: &[&Motion]) -> Result<(Self, Vec<LeftOut>), Error> {
         let (mut recordings, mut left_out) = (Vec::new(), Vec::new());
-        for log in logs {
-            match RecordedTrip::of(log) {
+        for motion in motions {
+            match RecordedTrip::of(motion) {
                 Ok(recording) => recordings.push(recording),
-                Err(reason) => left_out.push(LeftOut::new(log.name(), reason.to_string())),
+                Err(reason) => left_out.push(LeftOut::new(motion.name(), reason.to_string())),
             }
         }
         if recordings.is_empty() {

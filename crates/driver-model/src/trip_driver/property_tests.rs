@@ -164,7 +164,7 @@ proptest! {
         let json = serde_json::to_string(&driver).unwrap();
         prop_assert_eq!(&serde_json::from_str::<TripDriver>(&json).unwrap(), &driver);
         for knowledge in [RoadKnowledge::Stops, RoadKnowledge::StopsAndSlowdowns] {
-            let road = Road::of_log(&log, None, knowledge).unwrap();
+            let road = Road::of_motion(&log, knowledge).unwrap();
             let run = driver.drive(&road, 0.5, None).unwrap();
             prop_assert!(run.end_s.is_finite() && run.speed_mps.iter().all(|v| *v >= 0.0));
         }

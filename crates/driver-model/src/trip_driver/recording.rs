@@ -1,12 +1,12 @@
 use drive_log::{Channel, DriveLog};
 
 use super::zigzag::{Extremum, zigzag};
-use crate::Error;
 use crate::road::limit::{LIMIT_MPS, is_same_limit, rounded_limit};
 use crate::road::map::STOP_SPACING_M;
 use crate::road::{
     LimitFrom, Road, RoadKnowledge, RoadMap, RoadStop, STANDSTILL_MPS, SlopeAt, SlowPoint,
 };
+use crate::{Error, Motion};
 
 /// Below this a speed is 0, m/s.
 const NOISE_MPS: f64 = 0.1;
@@ -29,6 +29,8 @@ pub struct RecordedTrip {
     /// Rounded, known everywhere.
     pub(super) limit_mps: Vec<f64>,
     pub(super) distance_m: Vec<f64>,
+    /// At the same samples.
+    slope_rad: Option<Vec<f64>>,
     /// Extrema of the speed.
     pub(super) extrema: Vec<Extremum>,
     /// Stops and slow points as they were, without slope.
@@ -36,12 +38,13 @@ pub struct RecordedTrip {
 }
 
 impl RecordedTrip {
-    /// Takes a log.
+    /// Takes a drive.
     ///
     /// # Errors
     /// [`Error::Log`] where the limit is missing, which says in which log and from where; [`Error::Option`] for a limit that is
     /// none or a speed that no car has.
-    pub fn of(log: &DriveLog) -> Result<Self, Error> {
+    pub fn of(motion: &Motion) -> Result<Self, Error> {
+        let log = motion.log();
         let limit_mps = known_limits(log)?;
         let too_fast = log.speed_mps().iter().find(|v| **v > FASTEST_MPS);
         if let Some(&value) = too_fast {
@@ -59,6 +62,7 @@ impl RecordedTrip {
             extrema: zigzag(&speed_mps),
             speed_mps,
             limit_mps,
+            slope_rad: motion.slope_rad().map(<[f64]>::to_vec),
             map: RoadMap::default(),
         };
         let map = RoadMap {
@@ -196,44 +200,25 @@ impl RecordedTrip {
 }
 
 impl Road {
-    /// The road of a recorded drive, with its stops and, if they are to be known, its slow points.
-    ///
-    /// `slope_rad` has one value per sample, such as from [`crate::energy::slope_rad`]; `None` is a level road.
+    /// The road of a recorded drive, with its slope, its stops and, if they are to be known, its slow points.
     ///
     /// # Errors
-    /// [`Error::Log`] where limits are missing or the slope has another length, otherwise as [`Road::new`].
-    pub fn of_log(
-        log: &DriveLog,
-        slope_rad: Option<&[f64]>,
-        knowledge: RoadKnowledge,
-    ) -> Result<Self, Error> {
-        if let Some(slope_rad) = slope_rad
-            && slope_rad.len() != log.len()
-        {
-            return Err(Error::Log(drive_log::Error::Length {
-                log: log.name().to_owned(),
-                channel: Channel::Slope.name(),
-                found: slope_rad.len(),
-                expected: log.len(),
-            }));
-        }
-        Self::of_trip(&RecordedTrip::of(log)?, slope_rad, knowledge)
+    /// [`Error::Log`] where limits are missing, otherwise as [`Road::new`].
+    pub fn of_motion(motion: &Motion, knowledge: RoadKnowledge) -> Result<Self, Error> {
+        Self::of_trip(&RecordedTrip::of(motion)?, knowledge)
     }
 
     /// The same of a trip.
     ///
     /// # Errors
     /// As [`Road::new`].
-    pub fn of_trip(
-        trip: &RecordedTrip,
-        slope_rad: Option<&[f64]>,
-        knowledge: RoadKnowledge,
-    ) -> Result<Self, Error> {
+    pub fn of_trip(trip: &RecordedTrip, knowledge: RoadKnowledge) -> Result<Self, Error> {
         let mut map = trip.map.clone();
         if knowledge == RoadKnowledge::Stops {
             map.slow_points = None;
         }
-        let slope = trip.distance_m.iter().zip(slope_rad.unwrap_or_default());
+        let slope_rad = trip.slope_rad.as_deref().unwrap_or_default();
+        let slope = trip.distance_m.iter().zip(slope_rad);
         map.slope = slope
             .map(|(&position_m, &slope_rad)| SlopeAt {
                 position_m,

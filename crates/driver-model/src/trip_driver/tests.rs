@@ -1,9 +1,8 @@
-use std::collections::BTreeMap;
-
-use drive_log::{Channel, DriveLog};
+use drive_log::Channel;
 
 use super::clock::Clock;
 use super::*;
+use crate::Motion;
 use crate::road::*;
 
 pub(super) fn driver() -> TripDriver {
@@ -51,12 +50,11 @@ pub(super) fn stop(position_m: f64, dwell_s: f64) -> RoadStop {
     }
 }
 
-pub(super) fn log_of(channels: Vec<(Channel, Vec<f64>)>, step_s: f64) -> DriveLog {
-    let channels: BTreeMap<Channel, Vec<f64>> = channels.into_iter().collect();
-    DriveLog::new("log", 0.0, step_s, channels).unwrap()
+pub(super) fn log_of(channels: Vec<(Channel, Vec<f64>)>, step_s: f64) -> Motion {
+    Motion::of_channels("log", step_s, channels)
 }
 
-fn with_limit(speed_mps: Vec<f64>, limit_mps: f64, step_s: f64) -> DriveLog {
+fn with_limit(speed_mps: Vec<f64>, limit_mps: f64, step_s: f64) -> Motion {
     let limits = vec![limit_mps; speed_mps.len()];
     let channels = vec![(Channel::Speed, speed_mps), (Channel::SpeedLimit, limits)];
     log_of(channels, step_s)
@@ -210,7 +208,7 @@ fn a_driver_survives_its_file_and_files_are_checked() {
 #[test]
 fn logs_that_cannot_be_used_say_why() {
     let speed = vec![10.0; 50];
-    let said = |log: &DriveLog| TripDriver::fit(&[log]).unwrap_err();
+    let said = |motion: &Motion| TripDriver::fit(&[motion]).unwrap_err();
     let without = log_of(vec![(Channel::Speed, speed.clone())], 0.1);
     assert!(
         said(&without)
@@ -236,15 +234,6 @@ fn logs_that_cannot_be_used_say_why() {
         }
     ));
     assert!(matches!(TripDriver::fit(&[]), Err(Error::Fit { .. })));
-    let slope = Road::of_log(
-        &with_limit(speed, 13.9, 0.1),
-        Some(&[0.0]),
-        RoadKnowledge::Stops,
-    );
-    assert!(matches!(
-        slope,
-        Err(Error::Log(drive_log::Error::Length { found: 1, .. }))
-    ));
 }
 
 #[test]
@@ -271,7 +260,7 @@ fn absurd_roads_are_refused() {
     }
     // 1200 km in 50 min.
     let fast = with_limit(vec![400.0; 3000], 30.0, 1.0);
-    let road = Road::of_log(&fast, None, RoadKnowledge::Stops);
+    let road = Road::of_motion(&fast, RoadKnowledge::Stops);
     assert!(matches!(
         road,
         Err(Error::Option {
@@ -307,7 +296,7 @@ fn what_logs_do_not_show_has_fallbacks() {
         let cruises = log.speed_mps()[0] > 10.0;
         let bias_mps = if cruises { 0.51 } else { 0.0 };
         assert!((driver.wanted.mps(13.89) - 13.89 - bias_mps).abs() < 1e-9);
-        let road = Road::of_log(&log, None, RoadKnowledge::Stops).unwrap();
+        let road = Road::of_motion(&log, RoadKnowledge::Stops).unwrap();
         assert!(driver.drive(&road, 0.1, None).unwrap().end_s.is_finite());
     }
 }

@@ -4,15 +4,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
-use driver_model::energy::{EnergyTotals, SlopeSource, calibrate_vehicle, drive_energy};
+use driver_model::energy::{EnergyTotals, calibrate_vehicle, drive_energy};
 use driver_model::portrait::Portrait;
-use driver_model::{Error, PhaseSettings, Trip};
+use driver_model::{Error, Motion, PhaseSettings, SlopeSource, Trip};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 const SAMPLES: usize = 3000;
 
 fn i3() -> Vehicle {
     Vehicle::builtin("bmw-i3-60ah").unwrap()
+}
+
+fn motions(drives: &[&Drive]) -> Vec<Motion> {
+    let of_drive = |drive: &&Drive| Motion::of_drive(drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
+    drives.iter().flat_map(of_drive).collect()
 }
 
 fn drive(channels: &[(Channel, f64)]) -> Drive {
@@ -26,7 +31,7 @@ fn drive(channels: &[(Channel, f64)]) -> Drive {
 }
 
 fn energy(channels: &[(Channel, f64)]) -> driver_model::energy::DriveEnergy {
-    drive_energy(&drive(channels), &i3(), DEFAULT_SLOPE_BANDWIDTH_M, |_| {}).unwrap()
+    drive_energy(&motions(&[&drive(channels)]), &i3(), |_| {}).unwrap()
 }
 
 #[test]
@@ -67,11 +72,10 @@ fn steady(name: &str, speed_mps: f64, channels: &[(Channel, f64)]) -> Drive {
 #[test]
 fn an_error_about_one_of_many_drives_names_it() {
     let rocket = steady("rocket", 2000.0, &[(Channel::Elevation, 500.0)]);
-    let drives = [&drive(&[]), &rocket];
-    let bandwidth_m = DEFAULT_SLOPE_BANDWIDTH_M;
+    let drives = motions(&[&drive(&[]), &rocket]);
     let errors = [
-        drive_energy(&rocket, &i3(), bandwidth_m, |_| {}).err(),
-        calibrate_vehicle(&drives, &i3(), bandwidth_m, &|| {}).err(),
+        drive_energy(&motions(&[&rocket]), &i3(), |_| {}).err(),
+        calibrate_vehicle(&drives, &i3(), &|| {}).err(),
         Portrait::of(&drives, &i3(), &PhaseSettings::default()).err(),
     ];
     for error in errors {
@@ -102,7 +106,7 @@ fn a_car_that_creeps_back_at_every_stop_drives_on() {
     };
     let [standing, back] = [0.0, -0.01].map(creeping);
     let energy_j = |drive: &Drive| {
-        let energy = drive_energy(drive, &i3(), DEFAULT_SLOPE_BANDWIDTH_M, |_| {}).unwrap();
+        let energy = drive_energy(&motions(&[drive]), &i3(), |_| {}).unwrap();
         energy.modelled.terminal_energy_j
     };
     assert!((energy_j(&back) / energy_j(&standing) - 1.0).abs() < 0.1);
@@ -114,7 +118,7 @@ fn a_car_that_creeps_back_at_every_stop_drives_on() {
             .windows(2)
             .any(|pair| pair[1] < pair[0])
     );
-    Trip::from_drive(&back, &PhaseSettings::default()).unwrap();
+    Trip::of_drive(&motions(&[&back]), &PhaseSettings::default()).unwrap();
 }
 
 #[test]
@@ -127,8 +131,7 @@ fn drives_that_cannot_be_calibrated_to_are_named() {
     };
     let turned = steady("turned", 20.0, &battery(-30.0));
     let blind = steady("blind", 20.0, &[]);
-    let bandwidth_m = DEFAULT_SLOPE_BANDWIDTH_M;
-    let error = calibrate_vehicle(&[&turned, &blind], &i3(), bandwidth_m, &|| {}).unwrap_err();
+    let error = calibrate_vehicle(&motions(&[&turned, &blind]), &i3(), &|| {}).unwrap_err();
     let text = error.to_string();
     assert!(
         text.contains("turned: measured energy is negative"),
@@ -137,7 +140,7 @@ fn drives_that_cannot_be_calibrated_to_are_named() {
     assert!(text.contains("blind: less than a minute"), "{text}");
     let driven = steady("driven", 20.0, &battery(30.0));
     let drives = [&turned, &driven, &blind];
-    let report = calibrate_vehicle(&drives, &i3(), bandwidth_m, &|| {}).unwrap();
+    let report = calibrate_vehicle(&motions(&drives), &i3(), &|| {}).unwrap();
     let left_out: Vec<&str> = report
         .left_out_drives
         .iter()
@@ -214,7 +217,7 @@ fn a_calibrated_car_is_right_about_trips_it_has_not_seen() {
         })
         .collect();
     let drives: Vec<&Drive> = drives.iter().collect();
-    let report = calibrate_vehicle(&drives, &i3(), DEFAULT_SLOPE_BANDWIDTH_M, &|| {}).unwrap();
+    let report = calibrate_vehicle(&motions(&drives), &i3(), &|| {}).unwrap();
     let (before, held_out) = (report.summary.start, report.summary.held_out);
     assert!(held_out.mean_abs_error_pct.unwrap() < 6.0, "{held_out:?}");
     assert!(

@@ -5,15 +5,20 @@ use std::path::Path;
 
 use drive_log::{Channel, DriveLog};
 use driver_model::{
-    AccelPoint, Phase, PhaseCurve, PhaseKind, PhaseOutline, PhaseSettings, TrainingPhase,
+    AccelPoint, Motion, Phase, PhaseCurve, PhaseKind, PhaseOutline, PhaseSettings, TrainingPhase,
     TrainingSet, Trip, phase_model,
 };
+use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
 pub(crate) const STEP_S: f64 = 0.1;
 
 pub(crate) fn log_of(speed_mps: Vec<f64>) -> DriveLog {
     let channels = [(Channel::Speed, speed_mps)].into_iter().collect();
     DriveLog::new("log", 0.0, STEP_S, channels).unwrap()
+}
+
+pub(crate) fn motion_of(log: &DriveLog) -> Motion {
+    Motion::of_log(log, DEFAULT_SLOPE_BANDWIDTH_M).unwrap()
 }
 
 /// Samples `start..` of a log as a phase.
@@ -25,7 +30,7 @@ pub(crate) fn curve_from(start: usize, speed_mps: Vec<f64>) -> PhaseCurve {
         kind: PhaseKind::Acceleration,
         lead_influenced: false,
     };
-    PhaseCurve::cut(&log_of(speed_mps), None, &phase).unwrap()
+    PhaseCurve::cut(&motion_of(&log_of(speed_mps)), &phase).unwrap()
 }
 
 /// The whole log as a phase, without an onset.
@@ -141,7 +146,8 @@ pub(crate) fn trips_in(folder: &Path, suffix: &str, most: usize) -> Vec<Trip> {
         })
         .map(|log| {
             let drive = drive_log::prepare(log, &drive_log::Preparation::default()).unwrap();
-            Trip::from_drive(&drive, &PhaseSettings::default()).unwrap()
+            let motions = Motion::of_drive(&drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
+            Trip::of_drive(&motions, &PhaseSettings::default()).unwrap()
         })
         .collect()
 }

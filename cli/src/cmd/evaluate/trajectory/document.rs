@@ -150,7 +150,7 @@ impl<'a> Body<'a> {
         };
         Self {
             task: "trajectory",
-            drives: data.courses.len(),
+            drives: data.motions.len(),
             units: data.hold_out.units(),
             held_out: units.entry(),
             origins: evaluation.rows.first().map_or(0, |row| row.origins),
@@ -201,7 +201,7 @@ impl Entry {
 impl<'a> Trial<'a> {
     fn new(result: &'a TrialResult, data: &'a TrajectoryData) -> Self {
         let trip = |trip: &'a TrialTrip| Trip {
-            drive: &data.courses[trip.course].name,
+            drive: &data.motions[trip.motion].name(),
             figures: &trip.figures,
         };
         Self {
@@ -239,34 +239,34 @@ pub(super) fn with_curves(
     evaluation: &TrajectoryEvaluation,
     free_run: Option<&Value>,
 ) -> Value {
-    let Some(shown) = (0..data.courses.len()).max_by_key(|&i| data.courses[i].len()) else {
+    let Some(shown) = (0..data.motions.len()).max_by_key(|&i| data.motions[i].len()) else {
         return document;
     };
-    let course = &data.courses[shown];
+    let motion = &data.motions[shown];
     let unit_of = data.hold_out.unit_of();
     // Another unit than the one shown, so that it was learnt from.
-    let learnt = (0..data.courses.len())
+    let learnt = (0..data.motions.len())
         .find(|&i| unit_of[i] != unit_of[shown])
         .unwrap_or(shown);
     let predicted = evaluation.trials.iter().filter_map(|result| {
-        let trip = result.trips.iter().find(|trip| trip.course == shown)?;
+        let trip = result.trips.iter().find(|trip| trip.motion == shown)?;
         Some(json!({ "trial": result.trial.number(), "speed_mps": rounded(trip.speed_mps.iter().copied()) }))
     });
     document["curves"] = json!({
-        "shown": drive(course),
-        "learnt": drive(&data.courses[learnt]),
+        "shown": drive(motion),
+        "learnt": drive(&data.motions[learnt]),
         "predicted": predicted.collect::<Vec<_>>(),
         "free_run": free_run,
     });
     document
 }
 
-fn drive(course: &driver_model::speed_ahead::Course) -> Value {
+fn drive(motion: &driver_model::Motion) -> Value {
     json!({
-        "name": course.name,
-        "step_s": course.step_s,
-        "speed_mps": rounded(course.speed_mps.iter().copied()),
-        "limit_mps": course.limit_mps.as_ref().map(|limit| rounded(limit.iter().copied())),
+        "name": motion.name(),
+        "step_s": motion.step_s(),
+        "speed_mps": rounded(motion.speed_mps().iter().copied()),
+        "limit_mps": motion.limit_mps().as_ref().map(|limit| rounded(limit.iter().copied())),
     })
 }
 

@@ -1,15 +1,12 @@
 //! Whole trips from the road and the driver alone.
 
-use drive_log::DriveLog;
 use driver_eval::Error;
 use driver_eval::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
-use driver_model::energy::slope_rad;
+use driver_model::Motion;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::FreeRun;
 use ev_energy::Vehicle;
 use serde_json::{Value, json};
-
-use crate::inputs::Input;
 
 /// The evaluation with what the road may know, the less first.
 pub(super) struct FreeRuns {
@@ -21,27 +18,17 @@ pub(super) struct FreeRuns {
 
 /// The reason in place of figures where too few drives know their limits or are long enough: it is no reason to lose the rest.
 pub(super) fn evaluate(
-    inputs: &[Input],
+    motions: &[Motion],
     units: &[String],
     settings: &FreeRunSettings,
     vehicle: &Vehicle,
 ) -> Result<FreeRuns, Error> {
-    let of_drives = inputs.iter().zip(units);
-    let (logs, units): (Vec<&DriveLog>, Vec<String>) = of_drives
-        .flat_map(|(input, unit)| {
-            input
-                .drive
-                .pieces
-                .iter()
-                .map(move |log| (log, unit.clone()))
-        })
-        .unzip();
     let with = |knowledge| {
         let settings = FreeRunSettings {
             knowledge,
             ..*settings
         };
-        evaluate_free_run(&logs, &units, &settings, vehicle, &|| {})
+        evaluate_free_run(motions, units, &settings, vehicle, &|| {})
     };
     Ok(FreeRuns {
         expected: with(RoadKnowledge::Stops)?,
@@ -50,45 +37,36 @@ pub(super) fn evaluate(
 }
 
 /// The longest trip that was compared, measured and as the driver of its fold drives it, second by second.
-pub(super) fn curve(
-    inputs: &[Input],
-    runs: &FreeRuns,
-    slope_bandwidth_m: f64,
-) -> anyhow::Result<Option<Value>> {
+pub(super) fn curve(motions: &[Motion], runs: &FreeRuns) -> anyhow::Result<Option<Value>> {
     let trips = runs.expected.trips.iter();
     let Some(trip) = trips.max_by(|a, b| a.score.duration_s.total_cmp(&b.score.duration_s)) else {
         return Ok(None);
     };
-    let mut logs = inputs.iter().flat_map(|input| &input.drive.pieces);
-    let log = logs.find(|log| log.name() == trip.log);
+    let motion = motions.iter().find(|motion| motion.name() == trip.log);
     let fold = runs
         .expected
         .folds
         .iter()
         .find(|fold| fold.held_out.contains(&trip.group));
-    let Some((log, fold)) = log.zip(fold) else {
+    let Some((motion, fold)) = motion.zip(fold) else {
         return Ok(None);
     };
-    let road = Road::of_log(
-        log,
-        slope_rad(log, slope_bandwidth_m)?.as_deref(),
-        RoadKnowledge::Stops,
-    )?;
+    let road = Road::of_motion(motion, RoadKnowledge::Stops)?;
     let run = fold.driver.drive(&road, 1.0, Some(trip.score.duration_s))?;
     Ok(Some(json!({
-        "name": log.name(),
-        "measured": measured(log, trip.score.duration_s),
+        "name": motion.name(),
+        "measured": measured(motion, trip.score.duration_s),
         "predicted": predicted(&run),
     })))
 }
 
-fn measured(log: &DriveLog, duration_s: f64) -> Value {
-    let stride = ((1.0 / log.step_s()).round() as usize).max(1);
-    let last = (duration_s / log.step_s()) as usize;
+fn measured(motion: &Motion, duration_s: f64) -> Value {
+    let stride = motion.samples_in(1.0);
+    let last = (duration_s / motion.step_s()) as usize;
     let every = |values: &[f64]| {
         super::document::rounded(values.iter().take(last + 1).step_by(stride).copied())
     };
-    json!({ "speed_mps": every(log.speed_mps()), "distance_m": every(&log.distance_m()) })
+    json!({ "speed_mps": every(motion.speed_mps()), "distance_m": every(motion.distance_m()) })
 }
 
 fn predicted(run: &FreeRun) -> Value {

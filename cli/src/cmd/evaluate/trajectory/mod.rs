@@ -18,10 +18,9 @@ use driver_model::speed_ahead::{DirectKind, DirectSettings, Trial};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
-use super::hold_out::Units;
 use super::{EvaluateArgs, EvaluatedModel};
-use crate::cmd::courses::courses;
 use crate::cmd::left_out;
+use crate::cmd::motions::{mention_finer_grids, motions};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::{Input, Inputs};
@@ -58,9 +57,10 @@ impl EvaluateArgs {
     ) -> anyhow::Result<Outcome> {
         let mut settings = self.trajectory_settings()?;
         let units = self.hold_out.units(inputs, context)?;
-        let (data, left_out) = self
-            .trajectory_data(inputs, &units, context)?
-            .usable(&settings.direct)?;
+        mention_finer_grids(inputs, context);
+        let motions = motions(inputs, self.phases.slope_bandwidth)?;
+        let (data, left_out) =
+            TrajectoryData::new(motions.clone(), &units.of_drives).usable(&settings.direct)?;
         left_out::mention(&left_out, context);
         settings.folds = folds(settings.folds, &data, &left_out, context)?;
         let progress = Progress::new(context, "evaluating", settings.steps(&data));
@@ -78,10 +78,9 @@ impl EvaluateArgs {
         }
         let free_run_settings = FreeRunSettings {
             folds: Some(settings.folds),
-            slope_bandwidth_m: self.phases.settings().slope_bandwidth_m,
             ..FreeRunSettings::default()
         };
-        let free_runs = free_run::evaluate(inputs, &units.of_drives, &free_run_settings, vehicle);
+        let free_runs = free_run::evaluate(&motions, &units.of_drives, &free_run_settings, vehicle);
         if let Err(reason) = &free_runs {
             not_evaluated.insert("free_run", reason.to_string());
         }
@@ -97,10 +96,9 @@ impl EvaluateArgs {
         let mut document = Document::new("evaluate", self, inputs, body);
         let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
-            let bandwidth_m = free_run_settings.slope_bandwidth_m;
             let curve = free_runs
                 .as_ref()
-                .map(|runs| free_run::curve(inputs, runs, bandwidth_m));
+                .map(|runs| free_run::curve(&motions, runs));
             let curve = curve.transpose()?.flatten();
             let shown = document::with_curves(
                 serde_json::to_value(&document)?,
@@ -164,16 +162,6 @@ impl EvaluateArgs {
             settings.models = named?;
         }
         Ok(settings)
-    }
-
-    fn trajectory_data(
-        &self,
-        inputs: &[Input],
-        units: &Units,
-        context: &Context,
-    ) -> anyhow::Result<TrajectoryData> {
-        let courses = courses(inputs, self.phases.settings().slope_bandwidth_m, context)?;
-        Ok(TrajectoryData::new(courses, &units.of_drives))
     }
 }
 

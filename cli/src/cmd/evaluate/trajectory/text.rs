@@ -20,7 +20,7 @@ pub(super) fn render(
 ) -> String {
     let mut text = format!(
         "{}, {}; every unit is held out once, in {} folds\n\n",
-        plural(data.courses.len(), "drive"),
+        plural(data.motions.len(), "drive"),
         plural(
             evaluation.rows.first().map_or(0, |row| row.origins),
             "moment"

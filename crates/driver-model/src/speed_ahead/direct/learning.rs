@@ -2,10 +2,10 @@ use rayon::prelude::*;
 use svr::{Response, Samples};
 
 use super::{DirectModel, DirectSettings, Horizon, origins};
-use crate::Error;
+use crate::speed_ahead::DirectKind;
 use crate::speed_ahead::boosted_trees::BoostedTrees;
 use crate::speed_ahead::predictors::{Predictor, predictors, rows};
-use crate::speed_ahead::{Course, DirectKind};
+use crate::{Error, Motion};
 
 /// Fewer samples teach nothing.
 const LEAST_SAMPLES: usize = 50;
@@ -19,17 +19,17 @@ impl DirectModel {
     /// [`Error::Steps`] for drives of different sampling intervals, and what the regressions refuse.
     pub fn fit(
         kind: DirectKind,
-        courses: &[&Course],
+        motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
         settings.check()?;
-        let mut model = Self::fit_points(kind, courses, settings)?;
+        let mut model = Self::fit_points(kind, motions, settings)?;
         if kind.is_fitted() {
-            let third = |held: bool| -> Vec<&Course> {
-                let courses = courses.iter().enumerate();
-                courses
+            let third = |held: bool| -> Vec<&Motion> {
+                let motions = motions.iter().enumerate();
+                motions
                     .filter(|(i, _)| (i % 3 == 2) == held)
-                    .map(|(_, course)| *course)
+                    .map(|(_, motion)| *motion)
                     .collect()
             };
             match Self::fit_points(kind, &third(false), settings) {
@@ -44,22 +44,23 @@ impl DirectModel {
 
     fn fit_points(
         kind: DirectKind,
-        courses: &[&Course],
+        motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
-        let step_s = courses.first().map_or(1.0, |course| course.step_s);
-        if let Some(other) = courses
+        let step_s = motions.first().map_or(1.0, |motion| motion.step_s());
+        if let Some(other) = motions
             .iter()
-            .find(|course| (course.step_s - step_s).abs() > 1e-9)
+            .find(|motion| (motion.step_s() - step_s).abs() > 1e-9)
         {
             return Err(Error::Steps {
-                log: other.name.clone(),
-                found_s: other.step_s,
+                log: other.name().to_owned(),
+                found_s: other.step_s(),
                 expected_s: step_s,
             });
         }
-        let limits = courses.iter().all(|course| course.limit_mps.is_some());
-        let slope = settings.slope_ahead && courses.iter().all(|course| course.slope_rad.is_some());
+        let limits = motions.iter().all(|motion| motion.limit_mps().is_some());
+        let slope =
+            settings.slope_ahead && motions.iter().all(|motion| motion.slope_rad().is_some());
         let weighted = predictors(step_s, limits, slope);
         let horizon = |&horizon_s| Horizon {
             horizon_s,
@@ -77,18 +78,18 @@ impl DirectModel {
         };
         if kind.is_fitted() {
             let weights = weighted.iter().map(|(_, weight)| *weight).collect();
-            model.learn(courses, settings, weights)?;
+            model.learn(motions, settings, weights)?;
         }
         Ok(model)
     }
 
     fn learn(
         &mut self,
-        courses: &[&Course],
+        motions: &[&Motion],
         settings: &DirectSettings,
         weights: Vec<f64>,
     ) -> Result<(), Error> {
-        let training = Training::gather(courses, &self.predictors, settings)?;
+        let training = Training::gather(motions, &self.predictors, settings)?;
         let d = self.predictors.len();
         let samples = Samples::new(&training.rows, d)?;
         let responses = training
@@ -120,18 +121,19 @@ impl DirectModel {
     fn calibrate(
         &mut self,
         calibration: &Self,
-        held: &[&Course],
+        held: &[&Motion],
         coverage: f64,
     ) -> Result<(), Error> {
         let mut errors = vec![Vec::new(); self.horizons.len()];
-        for course in held {
-            let origins = calibration.origins(course, 1.0);
-            let predicted = calibration.predict(course, &origins)?;
+        for motion in held {
+            let origins = calibration.origins(motion, 1.0);
+            let predicted = calibration.predict(motion, &origins)?;
             for (&origin, ahead) in origins.iter().zip(predicted) {
                 for ((errors, horizon), speed) in
                     errors.iter_mut().zip(&self.horizons).zip(ahead.speed_mps)
                 {
-                    let measured = course.speed_mps[origin + course.samples_in(horizon.horizon_s)];
+                    let measured =
+                        motion.speed_mps()[origin + motion.samples_in(horizon.horizon_s)];
                     errors.push((speed - measured).abs());
                 }
             }
@@ -157,14 +159,14 @@ struct Training {
 
 impl Training {
     fn gather(
-        courses: &[&Course],
+        motions: &[&Motion],
         predictors: &[Predictor],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
         let longest_s = settings.horizons_s.iter().copied().fold(0.0, f64::max);
-        let origins: Vec<Vec<usize>> = courses
+        let origins: Vec<Vec<usize>> = motions
             .iter()
-            .map(|course| origins(course, longest_s, settings.sample_step_s))
+            .map(|motion| origins(motion, longest_s, settings.sample_step_s))
             .collect();
         let total: usize = origins.iter().map(Vec::len).sum();
         if total < LEAST_SAMPLES {
@@ -179,19 +181,19 @@ impl Training {
             rows: Vec::new(),
             changes: vec![Vec::new(); settings.horizons_s.len()],
         };
-        for (course, origins) in courses.iter().zip(origins) {
+        for (motion, origins) in motions.iter().zip(origins) {
             let chosen = origins.into_iter().filter(|_| {
                 seen += 1;
                 total <= most || (seen - 1) * most / total != seen * most / total
             });
             let chosen: Vec<usize> = chosen.collect();
-            training.rows.extend(rows(course, predictors, &chosen));
+            training.rows.extend(rows(motion, predictors, &chosen));
             for (changes, &horizon_s) in training.changes.iter_mut().zip(&settings.horizons_s) {
-                let ahead = course.samples_in(horizon_s);
+                let ahead = motion.samples_in(horizon_s);
                 changes.extend(
                     chosen
                         .iter()
-                        .map(|&i| course.speed_mps[i + ahead] - course.speed_mps[i]),
+                        .map(|&i| motion.speed_mps()[i + ahead] - motion.speed_mps()[i]),
                 );
             }
         }

@@ -9,11 +9,11 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use svr::{Samples, Status};
 
+use super::DirectKind;
 use super::boosted_trees::BoostedTrees;
 use super::predictors::{Predictor, rows};
-use super::{Course, DirectKind};
-use crate::Error;
 use crate::statistics::mean;
+use crate::{Error, Motion};
 pub use settings::DirectSettings;
 
 /// History that an origin must have behind it.
@@ -147,8 +147,8 @@ impl DirectModel {
 
     /// Every moment with enough past, `step_s` apart.
     #[must_use]
-    pub fn moments(&self, course: &Course, step_s: f64) -> Vec<usize> {
-        origins(course, 0.0, step_s)
+    pub fn moments(&self, motion: &Motion, step_s: f64) -> Vec<usize> {
+        origins(motion, 0.0, step_s)
     }
 
     /// Seconds ahead.
@@ -163,8 +163,8 @@ impl DirectModel {
 
     /// Moments every `step_s` from which all horizons can be compared with the measured speed.
     #[must_use]
-    pub fn origins(&self, course: &Course, step_s: f64) -> Vec<usize> {
-        origins(course, self.horizons_s().fold(0.0, f64::max), step_s)
+    pub fn origins(&self, motion: &Motion, step_s: f64) -> Vec<usize> {
+        origins(motion, self.horizons_s().fold(0.0, f64::max), step_s)
     }
 
     /// Predicts from every origin, the last sample known, at all horizons.
@@ -172,11 +172,11 @@ impl DirectModel {
     /// # Errors
     /// [`Error::Steps`] for a drive of another sampling interval, [`Error::NoLimits`] for one without limits where the model
     /// knows them.
-    pub fn predict(&self, course: &Course, origins: &[usize]) -> Result<Vec<SpeedAhead>, Error> {
-        if (course.step_s - self.step_s).abs() > 1e-9 {
+    pub fn predict(&self, motion: &Motion, origins: &[usize]) -> Result<Vec<SpeedAhead>, Error> {
+        if (motion.step_s() - self.step_s).abs() > 1e-9 {
             return Err(Error::Steps {
-                log: course.name.clone(),
-                found_s: course.step_s,
+                log: motion.name().to_owned(),
+                found_s: motion.step_s(),
                 expected_s: self.step_s,
             });
         }
@@ -184,9 +184,9 @@ impl DirectModel {
             .predictors
             .iter()
             .any(|p| matches!(p, Predictor::Limit { .. }));
-        if knows_limits && course.limit_mps.is_none() {
+        if knows_limits && motion.limit_mps().is_none() {
             return Err(Error::NoLimits {
-                log: course.name.clone(),
+                log: motion.name().to_owned(),
             });
         }
         let mut ahead: Vec<SpeedAhead> = origins
@@ -198,19 +198,19 @@ impl DirectModel {
         if origins.is_empty() {
             return Ok(ahead);
         }
-        let rows = rows(course, &self.predictors, origins);
+        let rows = rows(motion, &self.predictors, origins);
         for horizon in &self.horizons {
             let changes = match self.kind.baseline_change(horizon.horizon_s) {
                 Some(change) => origins
                     .iter()
-                    .map(|&origin| change * accel_mps2(course, origin))
+                    .map(|&origin| change * accel_mps2(motion, origin))
                     .collect(),
                 None => horizon.changes(&rows, self.predictors.len())?,
             };
             for ((ahead, change), &origin) in ahead.iter_mut().zip(changes).zip(origins) {
                 ahead
                     .speed_mps
-                    .push((course.speed_mps[origin] + change).max(0.0));
+                    .push((motion.speed_mps()[origin] + change).max(0.0));
             }
         }
         Ok(ahead)
@@ -220,14 +220,14 @@ impl DirectModel {
     ///
     /// # Errors
     /// As [`Self::predict`].
-    pub fn score(&self, course: &Course, origins: &[usize]) -> Result<Vec<HorizonScore>, Error> {
-        let ahead = self.predict(course, origins)?;
+    pub fn score(&self, motion: &Motion, origins: &[usize]) -> Result<Vec<HorizonScore>, Error> {
+        let ahead = self.predict(motion, origins)?;
         let score = |(k, horizon): (usize, &Horizon)| {
             let speed_mps: Vec<f64> = ahead.iter().map(|ahead| ahead.speed_mps[k]).collect();
-            let steps = course.samples_in(horizon.horizon_s);
+            let steps = motion.samples_in(horizon.horizon_s);
             let measured = origins
                 .iter()
-                .map(|&origin| course.speed_mps.get(origin + steps).copied());
+                .map(|&origin| motion.speed_mps().get(origin + steps).copied());
             let measured_mps: Vec<Option<f64>> = measured.collect();
             let errors = speed_mps
                 .iter()
@@ -298,18 +298,18 @@ impl Horizon {
 }
 
 /// Acceleration over the last second.
-fn accel_mps2(course: &Course, origin: usize) -> f64 {
-    let lag = course.samples_in(1.0).min(origin);
+fn accel_mps2(motion: &Motion, origin: usize) -> f64 {
+    let lag = motion.samples_in(1.0).min(origin);
     if lag == 0 {
         return 0.0;
     }
-    (course.speed_mps[origin] - course.speed_mps[origin - lag]) / (lag as f64 * course.step_s)
+    (motion.speed_mps()[origin] - motion.speed_mps()[origin - lag]) / (lag as f64 * motion.step_s())
 }
 
 /// Moments of a drive every `step_s` that have enough past, and `longest_s` ahead.
 #[must_use]
-pub fn origins(course: &Course, longest_s: f64, step_s: f64) -> Vec<usize> {
-    let from = course.samples_in(LEAST_PAST_S);
-    let to = course.len().saturating_sub(course.samples_in(longest_s));
-    (from..to).step_by(course.samples_in(step_s)).collect()
+pub fn origins(motion: &Motion, longest_s: f64, step_s: f64) -> Vec<usize> {
+    let from = motion.samples_in(LEAST_PAST_S);
+    let to = motion.len().saturating_sub(motion.samples_in(longest_s));
+    (from..to).step_by(motion.samples_in(step_s)).collect()
 }

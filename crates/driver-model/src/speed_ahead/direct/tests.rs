@@ -1,23 +1,18 @@
 #![allow(clippy::unwrap_used)]
 
+use drive_log::Channel;
+
 use super::*;
+use crate::Motion;
 
 /// Speeds that swing by a sum of two sines: what comes next follows from the past.
-fn course(phase: f64) -> Course {
+fn motion(phase: f64) -> Motion {
     let speed = |i: usize| {
         let t = 0.2 * i as f64 + phase;
         12.0 + 4.0 * (0.3 * t).sin() + 2.0 * (0.11 * t).cos()
     };
     let speed_mps: Vec<f64> = (0..1500).map(speed).collect();
-    let distance_m = (0..1500).map(|i| 2.4 * f64::from(i)).collect();
-    Course {
-        name: format!("{phase}"),
-        step_s: 0.2,
-        limit_mps: None,
-        slope_rad: None,
-        speed_mps,
-        distance_m,
-    }
+    Motion::of_channels(&format!("{phase}"), 0.2, [(Channel::Speed, speed_mps)])
 }
 
 fn settings() -> DirectSettings {
@@ -29,8 +24,8 @@ fn settings() -> DirectSettings {
 
 #[test]
 fn what_follows_from_the_past_is_predicted_and_files_keep_it() {
-    let courses: Vec<Course> = (0..6).map(|k| course(40.0 * f64::from(k))).collect();
-    let (train, test) = (courses[..5].iter().collect::<Vec<_>>(), &courses[5]);
+    let motions: Vec<Motion> = (0..6).map(|k| motion(40.0 * f64::from(k))).collect();
+    let (train, test) = (motions[..5].iter().collect::<Vec<_>>(), &motions[5]);
     for kind in DirectKind::ALL.into_iter().filter(|kind| kind.is_fitted()) {
         let model = DirectModel::fit(kind, &train, &settings()).unwrap();
         let origins = model.origins(test, 1.0);
@@ -63,12 +58,10 @@ fn what_follows_from_the_past_is_predicted_and_files_keep_it() {
 
 #[test]
 fn baselines_are_what_they_say_and_never_negative() {
-    let mut course = course(0.0);
-    course.speed_mps = (0..1500)
-        .map(|i| (10.0 - 0.01 * f64::from(i)).max(0.0))
-        .collect();
-    let model = |kind| DirectModel::fit(kind, &[&course], &settings()).unwrap();
-    let ahead = |kind| model(kind).predict(&course, &[500, 995]).unwrap();
+    let speed_mps = (0..1500).map(|i| (10.0 - 0.01 * f64::from(i)).max(0.0));
+    let motion = Motion::of_channels("slower", 0.2, [(Channel::Speed, speed_mps.collect())]);
+    let model = |kind| DirectModel::fit(kind, &[&motion], &settings()).unwrap();
+    let ahead = |kind| model(kind).predict(&motion, &[500, 995]).unwrap();
     assert!((ahead(DirectKind::Persistence)[0].speed_mps[1] - 5.0).abs() < 1e-9);
     assert!((ahead(DirectKind::ConstantAcceleration)[0].speed_mps[1] - 4.85).abs() < 1e-9);
     assert!(ahead(DirectKind::ConstantAcceleration)[1].speed_mps[1].abs() < 1e-12);
@@ -78,57 +71,55 @@ fn baselines_are_what_they_say_and_never_negative() {
 
 #[test]
 fn a_drive_of_another_step_or_without_limits_is_refused() {
-    let mut with_limits = course(0.0);
-    with_limits.limit_mps = Some(vec![14.0; 1500]);
-    let model = DirectModel::fit(DirectKind::Ridge, &[&with_limits], &settings()).unwrap();
-    let other = Course {
-        step_s: 1.0,
-        ..with_limits.clone()
+    let with_limits = |step_s| {
+        let speed_mps = motion(0.0).speed_mps().to_vec();
+        let channels = [
+            (Channel::SpeedLimit, vec![14.0; speed_mps.len()]),
+            (Channel::Speed, speed_mps),
+        ];
+        Motion::of_channels("with limits", step_s, channels)
     };
+    let model = DirectModel::fit(DirectKind::Ridge, &[&with_limits(0.2)], &settings()).unwrap();
     assert!(matches!(
-        model.predict(&other, &[10]),
+        model.predict(&with_limits(1.0), &[10]),
         Err(Error::Steps { .. })
     ));
     assert!(matches!(
-        model.predict(&course(0.0), &[100]),
+        model.predict(&motion(0.0), &[100]),
         Err(Error::NoLimits { .. })
     ));
-    let short = Course {
-        speed_mps: vec![1.0; 30],
-        distance_m: vec![0.0; 30],
-        ..course(0.0)
-    };
+    let short = Motion::of_channels("short", 0.2, [(Channel::Speed, vec![1.0; 30])]);
     let too_few = DirectModel::fit(DirectKind::Ridge, &[&short], &settings());
     assert!(matches!(too_few, Err(Error::TooFewMoments { .. })));
 }
 
 /// Small enough that a byte changed at random often hits something that matters.
-fn small_file() -> (String, Course) {
-    let courses: Vec<Course> = (0..2).map(|k| course(40.0 * f64::from(k))).collect();
+fn small_file() -> (String, Motion) {
+    let motions: Vec<Motion> = (0..2).map(|k| motion(40.0 * f64::from(k))).collect();
     let settings = DirectSettings {
         horizons_s: vec![1.0],
         max_samples: 60,
         ..DirectSettings::default()
     };
-    let train: Vec<&Course> = courses.iter().collect();
+    let train: Vec<&Motion> = motions.iter().collect();
     let model = DirectModel::fit(DirectKind::Blend, &train, &settings).unwrap();
-    (serde_json::to_string(&model).unwrap(), course(7.0))
+    (serde_json::to_string(&model).unwrap(), motion(7.0))
 }
 
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]
     #[test]
     fn a_changed_byte_of_a_file_is_an_error_or_harmless(places in proptest::collection::vec((0.0..1.0f64, 32..127u8), 1..4)) {
-        static FILE: std::sync::OnceLock<(String, Course)> = std::sync::OnceLock::new();
-        let (text, course) = FILE.get_or_init(small_file);
+        static FILE: std::sync::OnceLock<(String, Motion)> = std::sync::OnceLock::new();
+        let (text, motion) = FILE.get_or_init(small_file);
         let mut bytes = text.clone().into_bytes();
         for (place, byte) in places {
             let index = (place * bytes.len() as f64) as usize;
             bytes[index] = byte;
         }
         if let Ok(model) = serde_json::from_slice::<DirectModel>(&bytes) {
-            let origins = model.moments(course, 30.0);
-            let _ = model.score(course, &origins);
+            let origins = model.moments(motion, 30.0);
+            let _ = model.score(motion, &origins);
         }
     }
 }
