@@ -10,6 +10,7 @@ mod exit;
 mod flags;
 mod folders;
 mod inputs;
+mod names;
 mod numbers;
 mod output;
 mod places;

@@ -10,7 +10,7 @@ use driver_model::following::FollowingModel;
 use driver_model::phase_model::{StepResponse, TransitionPoint};
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
-use driver_model::{DriverModel, FittedModel, ModelFile, PhaseOutline};
+use driver_model::{DriverModel, ModelFile, Phase, PhaseModel};
 use serde::Serialize;
 
 use crate::exit::Outcome;
@@ -49,7 +49,7 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
     let ModelCommand::Show(args) = command;
     let file = read(&args.file)?;
     let examples: Vec<Example> = match &file.model {
-        FittedModel::Acceleration(model) | FittedModel::Braking(model) => outlines(&file.model)
+        DriverModel::Acceleration(model) | DriverModel::Braking(model) => outlines(&file.model)
             .map(|outline| Example::new(model, outline))
             .collect(),
         _ => Vec::new(),
@@ -88,17 +88,17 @@ struct Body<'a> {
 }
 
 /// Town, country road and motorway.
-fn outlines(model: &FittedModel) -> impl Iterator<Item = PhaseOutline> {
+fn outlines(model: &DriverModel) -> impl Iterator<Item = Phase> {
     let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
     phases
         .into_iter()
         .map(move |(low_kmh, high_kmh, duration_s)| {
             let (from, to) = match model {
-                FittedModel::Braking(_) => (high_kmh, low_kmh),
+                DriverModel::Braking(_) => (high_kmh, low_kmh),
                 _ => (low_kmh, high_kmh),
             };
             let step_s = 0.1;
-            PhaseOutline {
+            Phase {
                 start_speed_mps: from / 3.6,
                 end_speed_mps: to / 3.6,
                 step_s,
@@ -109,13 +109,17 @@ fn outlines(model: &FittedModel) -> impl Iterator<Item = PhaseOutline> {
 }
 
 fn title(file: &ModelFile) -> String {
-    format!("{}, {}", file.model.name(), file.model.behaviour().name())
+    format!(
+        "{}, {}",
+        file.model.kind().name(),
+        file.model.behaviour().name()
+    )
 }
 
 fn text(file: &ModelFile, examples: &[Example]) -> String {
     let training = &file.training;
     let mut text = title(file);
-    if let FittedModel::Acceleration(model) | FittedModel::Braking(model) = &file.model {
+    if let DriverModel::Acceleration(model) | DriverModel::Braking(model) = &file.model {
         let _ = write!(text, ", knows {}", model.kind().knows());
     }
     let _ = writeln!(
@@ -130,13 +134,13 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         training.prior_weight,
     );
     match &file.model {
-        FittedModel::Acceleration(_) | FittedModel::Braking(_) => {
+        DriverModel::Acceleration(_) | DriverModel::Braking(_) => {
             text.push_str(&example_table(examples));
         }
-        FittedModel::Cruise(model) => text.push_str(&cruise_table(model)),
-        FittedModel::Following(model) => text.push_str(&gap_table(model)),
-        FittedModel::SpeedAhead(model) => text.push_str(&interval_table(model)),
-        FittedModel::Trip(driver) => text.push_str(&wanted_table(driver)),
+        DriverModel::Cruise(model) => text.push_str(&cruise_table(model)),
+        DriverModel::Following(model) => text.push_str(&gap_table(model)),
+        DriverModel::SpeedAhead(model) => text.push_str(&interval_table(model)),
+        DriverModel::Trip(driver) => text.push_str(&wanted_table(driver)),
     }
     text
 }
@@ -220,12 +224,12 @@ fn example_row(example: &Example) -> [String; 7] {
 /// What the parameters mean.
 pub(crate) fn words(file: &ModelFile) -> String {
     match &file.model {
-        FittedModel::Acceleration(model) => phase_words("accelerates", model),
-        FittedModel::Braking(model) => phase_words("brakes", model),
-        FittedModel::Cruise(model) => cruise_words(model),
-        FittedModel::Following(model) => following_words(model),
-        FittedModel::SpeedAhead(model) => ahead_words(model),
-        FittedModel::Trip(driver) => trip_words(driver),
+        DriverModel::Acceleration(model) => phase_words("accelerates", model),
+        DriverModel::Braking(model) => phase_words("brakes", model),
+        DriverModel::Cruise(model) => cruise_words(model),
+        DriverModel::Following(model) => following_words(model),
+        DriverModel::SpeedAhead(model) => ahead_words(model),
+        DriverModel::Trip(driver) => trip_words(driver),
     }
 }
 
@@ -323,19 +327,19 @@ fn following_words(model: &FollowingModel) -> String {
     }
 }
 
-fn phase_words(verb: &str, model: &DriverModel) -> String {
+fn phase_words(verb: &str, model: &PhaseModel) -> String {
     match model {
-        DriverModel::Inverse(m) => {
+        PhaseModel::Inverse(m) => {
             of_speed(verb, &format!("a = 1/({:.5} v + {:.5})", m.p1, m.p2), |v| {
                 1.0 / (m.p1 * v + m.p2)
             })
         }
-        DriverModel::Exponential(m) | DriverModel::ExponentialAmplitude(m) => of_speed(
+        PhaseModel::Exponential(m) | PhaseModel::ExponentialAmplitude(m) => of_speed(
             verb,
             &format!("a = {:.4} exp(-{:.5} v) + {:.4}", m.p0, m.p1, m.p2),
             |v| m.p0 * (-m.p1 * v).exp() + m.p2,
         ),
-        DriverModel::RiseTime(m) | DriverModel::RiseTimeExact(m) => {
+        PhaseModel::RiseTime(m) | PhaseModel::RiseTimeExact(m) => {
             let lines = m.groups.iter().map(|g| {
                 format!(
                     "{} km/h: T_c = {:.3} s ({})",
@@ -346,12 +350,12 @@ fn phase_words(verb: &str, model: &DriverModel) -> String {
             });
             lines.collect::<Vec<_>>().join("\n")
         }
-        DriverModel::TransitionPoint(m) => transition_point(m),
-        DriverModel::Profile(m) => {
+        PhaseModel::TransitionPoint(m) => transition_point(m),
+        PhaseModel::Profile(m) => {
             let at = |share: f64| 100.0 * m.speed_mps(0.0, 1.0, share);
             shape(at(0.25), at(0.5), at(0.75))
         }
-        DriverModel::ProfileConditioned(m) | DriverModel::ProfileOnset(m) => {
+        PhaseModel::ProfileConditioned(m) | PhaseModel::ProfileOnset(m) => {
             let at = |quarter: usize| 100.0 * m.mean_shape[quarter * (m.mean_shape.len() - 1) / 4];
             format!(
                 "On average, {}\nHow it depends on the phase is a regression with {} centres.",
@@ -359,14 +363,14 @@ fn phase_words(verb: &str, model: &DriverModel) -> String {
                 m.basis.centres.len()
             )
         }
-        DriverModel::Constant(m) => format!(
+        PhaseModel::Constant(m) => format!(
             "This driver {verb} with {:.3} m/s² at any speed.",
             m.accel_mps2
         ),
-        DriverModel::Straight => {
+        PhaseModel::Straight => {
             "A straight line from start to end speed; no parameters.".to_owned()
         }
-        DriverModel::Smoothstep => "3s² − 2s³ from start to end speed; no parameters.".to_owned(),
+        PhaseModel::Smoothstep => "3s² − 2s³ from start to end speed; no parameters.".to_owned(),
     }
 }
 

@@ -3,12 +3,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use drive_sim::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
-use driver_model::{FittedModel, ModelFile, ModelKind, TrainingRecord};
+use driver_model::{DriverModel, ModelFile, ModelKind, TrainingRecord};
 use serde::Serialize;
 
 use super::phases::vehicle;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::names;
 use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
@@ -47,7 +48,7 @@ pub(crate) struct SynthArgs {
     #[arg(long, default_value_t = SynthSettings::default().step_s, value_parser = numbers::drive_step_s, value_name = "S")]
     step: f64,
     /// Model by which the driver accelerates
-    #[arg(long, default_value_t = ModelKind::Profile, value_name = "KIND")]
+    #[arg(long, default_value_t = ModelKind::Profile, value_parser = names::simulated_model(), value_name = "KIND")]
     driver: ModelKind,
     /// How much phases differ: 0 not at all, 1 as with real drivers
     #[arg(long, default_value_t = 1.0, value_parser = numbers::variation, value_name = "SHARE")]
@@ -111,13 +112,8 @@ pub(crate) fn run(args: &SynthArgs, context: &Context) -> anyhow::Result<Outcome
 
 impl SynthArgs {
     fn settings(&self) -> anyhow::Result<SynthSettings> {
-        let driver = SimulatedDriver::with(self.driver).with_context(|| {
-            let names = SimulatedDriver::KINDS.map(ModelKind::name).join(", ");
-            format!(
-                "no simulated driver accelerates by `{}`; choose one of {names}",
-                self.driver
-            )
-        })?;
+        let driver = SimulatedDriver::with(self.driver)
+            .with_context(|| format!("no simulated driver accelerates by `{}`", self.driver))?;
         Ok(SynthSettings {
             seed: self.seed,
             drives: self.drives,
@@ -142,7 +138,7 @@ fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<Stri
     };
     let model = settings.driver.acceleration.clone();
     let file = ModelFile::new(
-        FittedModel::Acceleration(model),
+        DriverModel::Acceleration(model),
         no_logs,
         serde_json::to_value(args)?,
     );

@@ -1,7 +1,7 @@
 //! The phases that a model predicts, as an SVG picture.
 
 use driver_model::phase_model::PredictiveBand;
-use driver_model::{DriverModel, PhaseOutline};
+use driver_model::{Phase, PhaseModel};
 use plotters::prelude::*;
 use serde::Serialize;
 
@@ -18,14 +18,14 @@ const COLOURS: [RGBColor; 3] = [
 #[derive(Debug, Serialize)]
 pub(crate) struct Example {
     #[serde(flatten)]
-    pub(crate) outline: PhaseOutline,
+    pub(crate) outline: Phase,
     pub(crate) speed_mps: Vec<f64>,
     /// Half-width of the 90 % band, where the model has one.
     pub(crate) half_width_mps: Option<Vec<f64>>,
 }
 
 impl Example {
-    pub(crate) fn new(model: &DriverModel, outline: PhaseOutline) -> Self {
+    pub(crate) fn new(model: &PhaseModel, outline: Phase) -> Self {
         let bands = model.bands(&outline);
         Self {
             speed_mps: model.predict(&outline),

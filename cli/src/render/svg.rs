@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use driver_model::{Phase, PhaseKind};
+use driver_model::{PhaseKind, Span};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -48,7 +48,7 @@ pub(crate) struct SpeedPlot<'a> {
     pub(crate) speed_mps: &'a [f64],
     /// As long as the speed.
     pub(crate) speed_limit_mps: Option<&'a [f64]>,
-    pub(crate) segments: &'a [Phase],
+    pub(crate) segments: &'a [Span],
 }
 
 /// Green, red and blue as in the thesis, in shades that differ in lightness as well.
@@ -62,7 +62,7 @@ fn phase_colour(kind: PhaseKind) -> RGBColor {
 }
 
 /// Black under a leader's influence, whatever the phase.
-fn colour(phase: &Phase) -> RGBColor {
+fn colour(phase: &Span) -> RGBColor {
     if phase.lead_influenced {
         LEAD
     } else {
@@ -245,7 +245,7 @@ impl SpeedPlot<'_> {
     /// The samples cut into ranges of one colour, in time order, each with the first sample of the next so that they join.
     fn coloured_ranges(&self) -> Vec<(Range<usize>, RGBColor)> {
         let count = self.speed_mps.len();
-        let mut segments: Vec<&Phase> = self
+        let mut segments: Vec<&Span> = self
             .segments
             .iter()
             .filter(|segment| segment.start < segment.end.min(count))

@@ -2,7 +2,7 @@ use driver_model::following::Idm;
 use driver_model::phase_model::{
     Constant, Exponential, GroupConstant, Inverse, Profile, RiseTime, SpeedGroup,
 };
-use driver_model::{DriverModel, ModelKind, PhaseOutline};
+use driver_model::{ModelKind, Phase, PhaseModel};
 use serde::Serialize;
 
 use crate::Error;
@@ -13,7 +13,7 @@ use crate::random::Random;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulatedDriver {
     /// How speed rises in an acceleration phase; the model that a fit should find.
-    pub acceleration: DriverModel,
+    pub acceleration: PhaseModel,
     /// How long an acceleration phase takes, for models that do not tell: `profile`, `straight` and `smoothstep`.
     pub acceleration_pace: Pace,
     /// How long braking takes where nothing is in the way. Speed falls by `4s³ − 3s⁴` over the share `s` of that time,
@@ -69,7 +69,7 @@ const LONGEST_PHASE_S: f64 = 90.0;
 impl Default for SimulatedDriver {
     /// Accelerates by `profile`.
     fn default() -> Self {
-        Self::accelerating_by(DriverModel::Profile(press_hold_release()))
+        Self::accelerating_by(PhaseModel::Profile(press_hold_release()))
     }
 }
 
@@ -91,31 +91,28 @@ impl SimulatedDriver {
     #[must_use]
     pub fn with(kind: ModelKind) -> Option<Self> {
         let acceleration = match kind {
-            ModelKind::Inverse => DriverModel::Inverse(Inverse { p1: 0.03, p2: 0.5 }),
-            ModelKind::Exponential => DriverModel::Exponential(Exponential {
+            ModelKind::Inverse => PhaseModel::Inverse(Inverse { p1: 0.03, p2: 0.5 }),
+            ModelKind::Exponential => PhaseModel::Exponential(Exponential {
                 p0: 1.0,
                 p1: 0.06,
                 p2: 0.5,
             }),
-            ModelKind::ExponentialAmplitude => DriverModel::ExponentialAmplitude(Exponential {
+            ModelKind::ExponentialAmplitude => PhaseModel::ExponentialAmplitude(Exponential {
                 p0: 1.7,
                 p1: 0.08,
                 p2: 0.35,
             }),
-            ModelKind::RiseTime => DriverModel::RiseTime(rise_time()),
-            ModelKind::Profile => DriverModel::Profile(press_hold_release()),
-            ModelKind::Constant => DriverModel::Constant(Constant { accel_mps2: 1.2 }),
-            ModelKind::Straight => DriverModel::Straight,
-            ModelKind::Smoothstep => DriverModel::Smoothstep,
-            ModelKind::RiseTimeExact
-            | ModelKind::TransitionPoint
-            | ModelKind::ProfileConditioned
-            | ModelKind::ProfileOnset => return None,
+            ModelKind::RiseTime => PhaseModel::RiseTime(rise_time()),
+            ModelKind::Profile => PhaseModel::Profile(press_hold_release()),
+            ModelKind::Constant => PhaseModel::Constant(Constant { accel_mps2: 1.2 }),
+            ModelKind::Straight => PhaseModel::Straight,
+            ModelKind::Smoothstep => PhaseModel::Smoothstep,
+            _ => return None,
         };
         Some(Self::accelerating_by(acceleration))
     }
 
-    fn accelerating_by(acceleration: DriverModel) -> Self {
+    fn accelerating_by(acceleration: PhaseModel) -> Self {
         Self {
             acceleration,
             acceleration_pace: Pace {
@@ -150,7 +147,7 @@ impl SimulatedDriver {
     ) -> Vec<f64> {
         let predict = |step_s: f64, duration_s: f64| {
             let steps = (duration_s.min(LONGEST_PHASE_S) / step_s).round().max(1.0);
-            self.acceleration.predict(&PhaseOutline {
+            self.acceleration.predict(&Phase {
                 start_speed_mps: start_mps,
                 end_speed_mps: target_mps,
                 step_s,
@@ -161,23 +158,23 @@ impl SimulatedDriver {
         // A brisk phase is the same curve on a faster clock.
         let hurried_s = step_s * habit.pace;
         let curve = match &self.acceleration {
-            DriverModel::Profile(_)
-            | DriverModel::ProfileConditioned(_)
-            | DriverModel::ProfileOnset(_)
-            | DriverModel::TransitionPoint(_)
-            | DriverModel::Straight
-            | DriverModel::Smoothstep => predict(
+            PhaseModel::Profile(_)
+            | PhaseModel::ProfileConditioned(_)
+            | PhaseModel::ProfileOnset(_)
+            | PhaseModel::TransitionPoint(_)
+            | PhaseModel::Straight
+            | PhaseModel::Smoothstep => predict(
                 hurried_s,
                 self.acceleration_pace.duration_s(start_mps, target_mps),
             ),
-            DriverModel::RiseTime(m) | DriverModel::RiseTimeExact(m) => {
+            PhaseModel::RiseTime(m) | PhaseModel::RiseTimeExact(m) => {
                 let (constant_s, _) = m.constant_for(SpeedGroup::of(start_mps, target_mps));
                 predict(hurried_s, RiseTime::RISE_TIME_CONSTANTS * constant_s)
             }
-            DriverModel::Inverse(_)
-            | DriverModel::Exponential(_)
-            | DriverModel::ExponentialAmplitude(_)
-            | DriverModel::Constant(_) => {
+            PhaseModel::Inverse(_)
+            | PhaseModel::Exponential(_)
+            | PhaseModel::ExponentialAmplitude(_)
+            | PhaseModel::Constant(_) => {
                 let mut curve = predict(hurried_s, LONGEST_PHASE_S);
                 let reached = curve.partition_point(|&v| v <= target_mps);
                 curve.truncate(reached.max(2));

@@ -46,7 +46,7 @@ pub use driver::{Cruise, Pace, SimulatedDriver};
 pub use error::Error;
 
 use drive_log::DriveLog;
-use driver_model::PhaseOutline;
+use driver_model::Phase;
 use ev_energy::Vehicle;
 use serde::Serialize;
 
@@ -147,8 +147,8 @@ impl TruePhase {
     /// What the true model knows of an acceleration phase. The end speed is the one aimed at: the rise-time model stops
     /// at 95.96 % of it, the others at the last sample that does not exceed it.
     #[must_use]
-    pub fn outline(&self, step_s: f64) -> PhaseOutline {
-        PhaseOutline {
+    pub fn outline(&self, step_s: f64) -> Phase {
+        Phase {
             start_speed_mps: self.start_speed_mps,
             end_speed_mps: self.target_speed_mps,
             step_s,

@@ -9,8 +9,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{Exponential, Inverse};
 use driver_model::{
-    AccelPoint, DriverModel, ModelKind, Motion, Onset, PhaseKind, PhaseOutline, PhaseSettings,
-    TrainingSet, Trip,
+    AccelPoint, ModelKind, Motion, Onset, Phase, PhaseKind, PhaseModel, PhaseSettings, TrainingSet,
+    Trip,
 };
 use ev_energy::Vehicle;
 
@@ -18,7 +18,7 @@ fn main() {
     divan::main();
 }
 
-const OUTLINE: PhaseOutline = PhaseOutline {
+const OUTLINE: Phase = Phase {
     start_speed_mps: 2.0,
     end_speed_mps: 14.0,
     step_s: 0.1,
@@ -79,7 +79,7 @@ fn fit_inverse_by_grid_search(bencher: Bencher) {
 
 #[divan::bench]
 fn predict_inverse(bencher: Bencher) {
-    let model = DriverModel::Inverse(Inverse { p1: 0.04, p2: 0.5 });
+    let model = PhaseModel::Inverse(Inverse { p1: 0.04, p2: 0.5 });
     bencher.bench(|| model.predict(&OUTLINE));
 }
 
@@ -98,7 +98,7 @@ const DRIVES: usize = 50;
 fn predict(bencher: Bencher, kind: ModelKind) {
     let trips = simulated_trips(DRIVES);
     let training = TrainingSet::from_trips(PhaseKind::Acceleration, &trips);
-    let model = DriverModel::fit(kind, &training).unwrap();
+    let model = PhaseModel::fit(kind, &training).unwrap();
     bencher.bench(|| model.predict(&OUTLINE));
 }
 
@@ -109,7 +109,7 @@ fn fit_to_phases(bencher: Bencher, kind: ModelKind) {
     let training = TrainingSet::from_trips(PhaseKind::Acceleration, &trips);
     bencher
         .counter(ItemsCount::new(training.phases.len()))
-        .bench(|| DriverModel::fit(kind, &training).unwrap());
+        .bench(|| PhaseModel::fit(kind, &training).unwrap());
 }
 
 fn simulated_drives(drives: usize) -> Vec<Drive> {

@@ -2,9 +2,8 @@
 
 use std::time::Instant;
 
-use driver_model::following::{
-    FollowingErrors, FollowingFit, FollowingKind, FollowingModel, FollowingStretch,
-};
+use driver_model::ModelKind;
+use driver_model::following::{FollowingErrors, FollowingFit, FollowingModel, FollowingStretch};
 use driver_model::statistics::mean;
 use serde::Serialize;
 
@@ -148,8 +147,8 @@ impl Fitted {
             let fit = FollowingModel::fit(kind, &stretches)?;
             Ok::<_, Error>((fit, clock.elapsed().as_secs_f64()))
         };
-        let (idm, idm_seconds) = fit(FollowingKind::Idm)?;
-        let (constant_time_gap, law_seconds) = fit(FollowingKind::ConstantTimeGap)?;
+        let (idm, idm_seconds) = fit(ModelKind::Idm)?;
+        let (constant_time_gap, law_seconds) = fit(ModelKind::ConstantTimeGap)?;
         Ok(Self {
             fits: PerFollowingModel {
                 idm,

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::{ModelKind, Subject};
+
 /// What can go wrong between recorded drives and an evaluated model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -101,6 +103,20 @@ pub enum Error {
         log: String,
         /// How many there are.
         pieces: usize,
+    },
+    /// A model of another subject.
+    #[error("`{model}` is a model of {}, not of {subject}", .model.subject())]
+    Subject {
+        /// The model.
+        model: ModelKind,
+        /// What a model is needed of.
+        subject: Subject,
+    },
+    /// Drives of other drivers, for a model that cannot learn from them.
+    #[error("`{model}` cannot learn from other drivers; only models of phases can")]
+    NoPrior {
+        /// The model.
+        model: ModelKind,
     },
     /// Drives of different sampling intervals.
     #[error(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{DriverModel, ModelKind, PhaseKind, PointsOf, TrainingSet, Trip};
+use crate::{ModelKind, PhaseKind, PhaseModel, PointsOf, TrainingSet, Trip};
 
 /// One function of speed, fitted to points of acceleration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,7 +18,7 @@ pub struct FunctionFit {
     pub residual_sum_of_squares: f64,
     /// The fitted function.
     #[serde(flatten)]
-    pub model: DriverModel,
+    pub model: PhaseModel,
 }
 
 /// The three functions fitted to the means and to all samples of the segments of one kind; a fit with too few points, or
@@ -41,7 +41,7 @@ pub fn function_fits(kind: PhaseKind, trips: &[Trip]) -> Vec<FunctionFit> {
         .collect();
     jobs.into_par_iter()
         .filter_map(|(kind, fitted_to, training)| {
-            let model = DriverModel::fit(kind, training).ok()?;
+            let model = PhaseModel::fit(kind, training).ok()?;
             Some(FunctionFit {
                 fitted_to,
                 points: training.points.len(),

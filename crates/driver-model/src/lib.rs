@@ -15,7 +15,7 @@
 //!
 //! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels
 //! ([`HeuristicRules`]) and its segments by statistics ([`StatisticalRules`]), those under a leader's influence left out;
-//! [`DriverModel::fit`] learns from a [`TrainingSet`], in which other drivers count less.
+//! [`PhaseModel::fit`] learns from a [`TrainingSet`], in which other drivers count less.
 //!
 //! By module: [`cruise`] says how the driver holds a speed, [`following`] how he keeps the distance to a vehicle ahead,
 //! [`speed_ahead`] what speed the next seconds bring, [`trip_driver`] how a whole trip over a [`road`] goes, [`energy`] what it
@@ -25,7 +25,7 @@
 //!
 //! ```
 //! use drive_log::{Channel, DriveLog};
-//! use driver_model::{DriverModel, ModelKind, Motion, PhaseKind, PhaseSettings, TrainingSet, Trip};
+//! use driver_model::{PhaseModel, ModelKind, Motion, PhaseKind, PhaseSettings, TrainingSet, Trip};
 //!
 //! // Ten times from rest to 50 km/h and back, a sample every 0.1 s.
 //! let rise = |k: usize| 13.9 * (1.0 - (std::f64::consts::PI * k as f64 / 100.0).cos()) / 2.0;
@@ -35,7 +35,7 @@
 //! let motion = Motion::of_log(&log, 100.0)?;
 //! let trip = Trip::of_drive(&[motion], &PhaseSettings::default())?;
 //! let set = TrainingSet::from_trips(PhaseKind::Acceleration, [&trip]);
-//! let model = DriverModel::fit(ModelKind::Profile, &set)?;
+//! let model = PhaseModel::fit(ModelKind::Profile, &set)?;
 //! let outline = trip.phases[0].outline();
 //! assert_eq!(model.predict(&outline).len(), outline.samples);
 //! # Ok::<(), driver_model::Error>(())
@@ -52,11 +52,14 @@
 //!   2088, 2008.
 
 pub mod cruise;
+mod driver_model;
 pub mod energy;
 pub mod error;
+mod fit;
 pub mod following;
 mod function_fit;
 mod grid;
+mod kind;
 mod lead;
 mod least_squares;
 mod model;
@@ -76,15 +79,18 @@ mod training;
 mod trip;
 pub mod trip_driver;
 
+pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
+pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_trips, fit, fit_with};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
+pub use kind::{ModelKind, Subject};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
-pub use model::{DriverModel, ModelKind};
-pub use model_file::{
-    Behaviour, FittedModel, MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord,
-};
+pub use model::PhaseModel;
+pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
 pub use motion::{Motion, SlopeSource};
-pub use phase::{HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseOutline, most_divided};
+pub use phase::{
+    HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseSpeeds, Span, most_divided,
+};
 pub use phase_model::SpeedGroup;
 pub use segmenter::{MethodFigures, Segmenter};
 pub use statistical::{

@@ -1,129 +1,15 @@
-use std::fmt;
-use std::str::FromStr;
-
 use serde::{Deserialize, Serialize};
 
 use crate::phase_model::{
     ConditionedProfile, Conditioning, Constant, Exponential, Inverse, PredictiveBand, Profile,
     RiseTime, TransitionPoint, smoothstep, straight,
 };
-use crate::{AccelPoint, Error, PhaseOutline, TrainingSet};
-
-/// The models and baselines, in the order in which tables print them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ModelKind {
-    /// `a = 1/(p1 v + p2)`.
-    Inverse,
-    /// `a = e^(−p1 v) + p2`, as printed in the thesis.
-    Exponential,
-    /// `a = p0·e^(−p1 v) + p2`.
-    ExponentialAmplitude,
-    /// Second-order step response with a mean time constant per speed group.
-    RiseTime,
-    /// The same, reaching 95 % of the gain exactly at the end of a phase of mean duration.
-    RiseTimeExact,
-    /// Step response of the order and with the constants most common in its speed group.
-    TransitionPoint,
-    /// The driver's mean normalised shape.
-    Profile,
-    /// The normalised shape as it depends on start speed, duration and pace.
-    ProfileConditioned,
-    /// The same, also on how the phase is entered.
-    ProfileOnset,
-    /// Baseline: mean acceleration.
-    Constant,
-    /// Baseline: straight line from start to end speed.
-    Straight,
-    /// Baseline: `3s² − 2s³` from start to end speed.
-    Smoothstep,
-}
-
-impl ModelKind {
-    /// All of them.
-    pub const ALL: [Self; 12] = [
-        Self::Inverse,
-        Self::Exponential,
-        Self::ExponentialAmplitude,
-        Self::RiseTime,
-        Self::RiseTimeExact,
-        Self::TransitionPoint,
-        Self::Profile,
-        Self::ProfileConditioned,
-        Self::ProfileOnset,
-        Self::Constant,
-        Self::Straight,
-        Self::Smoothstep,
-    ];
-
-    /// As on the command line and in JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inverse => "inverse",
-            Self::Exponential => "exponential",
-            Self::ExponentialAmplitude => "exponential-amplitude",
-            Self::RiseTime => "rise-time",
-            Self::RiseTimeExact => "rise-time-exact",
-            Self::TransitionPoint => "transition-point",
-            Self::Profile => "profile",
-            Self::ProfileConditioned => "profile-conditioned",
-            Self::ProfileOnset => "profile-onset",
-            Self::Constant => "constant",
-            Self::Straight => "straight",
-            Self::Smoothstep => "smoothstep",
-        }
-    }
-
-    /// Printed with every table and never chosen.
-    #[must_use]
-    pub fn is_baseline(self) -> bool {
-        matches!(self, Self::Constant | Self::Straight | Self::Smoothstep)
-    }
-
-    /// What the model is told of a phase, in words.
-    #[must_use]
-    pub fn knows(self) -> &'static str {
-        match self {
-            Self::Inverse | Self::Exponential | Self::ExponentialAmplitude | Self::Constant => {
-                "v0, T"
-            }
-            Self::RiseTime
-            | Self::RiseTimeExact
-            | Self::TransitionPoint
-            | Self::Profile
-            | Self::ProfileConditioned
-            | Self::Straight
-            | Self::Smoothstep => "v0, v_end, T",
-            Self::ProfileOnset => "v0, v_end, T, onset",
-        }
-    }
-}
-
-impl fmt::Display for ModelKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for ModelKind {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|kind| kind.name() == text)
-            .ok_or_else(|| {
-                let names: Vec<_> = Self::ALL.iter().map(|kind| kind.name()).collect();
-                format!("no model `{text}`; known: {}", names.join(", "))
-            })
-    }
-}
+use crate::{AccelPoint, Error, ModelKind, Phase, Subject, TrainingSet};
 
 /// A fitted model; parameters are checked when it comes from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum DriverModel {
+pub enum PhaseModel {
     /// See [`Inverse`].
     Inverse(Inverse),
     /// See [`Exponential`], with `p0 = 1`.
@@ -150,11 +36,11 @@ pub enum DriverModel {
     Smoothstep,
 }
 
-impl DriverModel {
+impl PhaseModel {
     /// Fits one model.
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] and [`Error::Fit`], naming the model.
+    /// [`Error::TooFewPhases`] and [`Error::Fit`], naming the model; [`Error::Subject`] for a model of anything else.
     pub fn fit(kind: ModelKind, training: &TrainingSet<'_>) -> Result<Self, Error> {
         let points = &training.points;
         Ok(match kind {
@@ -181,6 +67,7 @@ impl DriverModel {
             ModelKind::Constant => Self::Constant(Constant::fit(training)?),
             ModelKind::Straight => Self::Straight,
             ModelKind::Smoothstep => Self::Smoothstep,
+            _ => return Err(kind.is_not_of(Subject::Phases)),
         })
     }
 
@@ -207,8 +94,8 @@ impl DriverModel {
     ///
     /// Braking is acceleration in reversed time: the functions of speed run backward from `v0`, the step responses from `v_end`.
     #[must_use]
-    pub fn predict(&self, outline: &PhaseOutline) -> Vec<f64> {
-        let &PhaseOutline {
+    pub fn predict(&self, outline: &Phase) -> Vec<f64> {
+        let &Phase {
             start_speed_mps: v0,
             end_speed_mps: v_end,
             ..
@@ -243,7 +130,7 @@ impl DriverModel {
 
     /// Bands around the predicted speed by rising level, where the model has them.
     #[must_use]
-    pub fn bands(&self, outline: &PhaseOutline) -> Vec<PredictiveBand> {
+    pub fn bands(&self, outline: &Phase) -> Vec<PredictiveBand> {
         match self {
             Self::ProfileConditioned(m) | Self::ProfileOnset(m) => m.bands(outline),
             _ => Vec::new(),
@@ -252,7 +139,7 @@ impl DriverModel {
 
     /// Whether predicting this phase takes a parameter from another speed group, for want of training phases.
     #[must_use]
-    pub fn falls_back(&self, outline: &PhaseOutline) -> bool {
+    pub fn falls_back(&self, outline: &Phase) -> bool {
         match self {
             Self::RiseTime(m) | Self::RiseTimeExact(m) => {
                 !m.constant_for(outline.rising().group()).1
@@ -293,13 +180,13 @@ impl DriverModel {
     }
 }
 
-fn over_time(outline: &PhaseOutline, speed: impl Fn(f64) -> f64) -> Vec<f64> {
+fn over_time(outline: &Phase, speed: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..outline.samples)
         .map(|k| speed(k as f64 * outline.step_s))
         .collect()
 }
 
-fn over_share(outline: &PhaseOutline, speed: impl Fn(f64) -> f64) -> Vec<f64> {
+fn over_share(outline: &Phase, speed: impl Fn(f64) -> f64) -> Vec<f64> {
     let last = (outline.samples.max(2) - 1) as f64;
     (0..outline.samples)
         .map(|k| speed(k as f64 / last))
@@ -307,7 +194,7 @@ fn over_share(outline: &PhaseOutline, speed: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 /// Over the time of the phase with rising speed, given its start and end speed.
-fn over_rising(outline: &PhaseOutline, speed: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
+fn over_rising(outline: &Phase, speed: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
     let rising = outline.rising();
     let (v0, v_end) = (rising.start_speed_mps, rising.end_speed_mps);
     let mut speed_mps = over_time(outline, |t| speed(v0, v_end, t));

@@ -1,11 +1,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
-use crate::cruise::CruiseModel;
-use crate::following::FollowingModel;
-use crate::speed_ahead::DirectModel;
-use crate::trip_driver::TripDriver;
-use crate::{DriverModel, Error};
+use crate::{Behaviour, DriverModel, Error};
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/2";
@@ -39,112 +35,13 @@ pub struct TrainingRecord {
     pub prior_weight: f64,
 }
 
-/// What a driver does that a model is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Behaviour {
-    /// Acceleration phases.
-    Acceleration,
-    /// Braking phases.
-    Braking,
-    /// Holding a speed.
-    Cruise,
-    /// Keeping the distance to a vehicle ahead.
-    Following,
-    /// The speed of the next seconds.
-    SpeedAhead,
-    /// Whole trips.
-    Trip,
-}
-
-impl Behaviour {
-    /// As in JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Acceleration => "acceleration",
-            Self::Braking => "braking",
-            Self::Cruise => "cruise",
-            Self::Following => "following",
-            Self::SpeedAhead => "speed-ahead",
-            Self::Trip => "trip",
-        }
-    }
-}
-
-/// A model of any behaviour.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum FittedModel {
-    /// Of acceleration phases.
-    Acceleration(DriverModel),
-    /// Of braking phases.
-    Braking(DriverModel),
-    /// Of cruising.
-    Cruise(CruiseModel),
-    /// Of following.
-    Following(FollowingModel),
-    /// Of the speed of the next seconds.
-    SpeedAhead(DirectModel),
-    /// Of whole trips.
-    Trip(TripDriver),
-}
-
-impl FittedModel {
-    /// What the model is about.
-    #[must_use]
-    pub fn behaviour(&self) -> Behaviour {
-        match self {
-            Self::Acceleration(_) => Behaviour::Acceleration,
-            Self::Braking(_) => Behaviour::Braking,
-            Self::Cruise(_) => Behaviour::Cruise,
-            Self::Following(_) => Behaviour::Following,
-            Self::SpeedAhead(_) => Behaviour::SpeedAhead,
-            Self::Trip(_) => Behaviour::Trip,
-        }
-    }
-
-    /// Name of the model.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Acceleration(model) | Self::Braking(model) => model.kind().name(),
-            Self::Cruise(_) => "cruise",
-            Self::Following(model) => model.kind().name(),
-            Self::SpeedAhead(model) => model.kind().name(),
-            Self::Trip(_) => "trip-driver",
-        }
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        match self {
-            Self::Acceleration(model) | Self::Braking(model) => model.check(),
-            Self::Cruise(model) => model.check(),
-            Self::Following(model) => model.check(),
-            // Checked when they are parsed.
-            Self::SpeedAhead(_) | Self::Trip(_) => Ok(()),
-        }
-    }
-
-    fn from_value(behaviour: Behaviour, value: Value) -> serde_json::Result<Self> {
-        Ok(match behaviour {
-            Behaviour::Acceleration => Self::Acceleration(serde_json::from_value(value)?),
-            Behaviour::Braking => Self::Braking(serde_json::from_value(value)?),
-            Behaviour::Cruise => Self::Cruise(serde_json::from_value(value)?),
-            Behaviour::Following => Self::Following(serde_json::from_value(value)?),
-            Behaviour::SpeedAhead => Self::SpeedAhead(serde_json::from_value(value)?),
-            Behaviour::Trip => Self::Trip(serde_json::from_value(value)?),
-        })
-    }
-}
-
 /// A fitted model with where it comes from, as JSON.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelFile {
     /// Version of the program that fitted it.
     pub version: String,
     /// The model.
-    pub model: FittedModel,
+    pub model: DriverModel,
     /// What it was fitted to.
     pub training: TrainingRecord,
     /// Configuration of the fit.
@@ -182,7 +79,7 @@ impl Serialize for ModelFile {
 impl ModelFile {
     /// A file for a model fitted by this version of the program.
     #[must_use]
-    pub fn new(model: FittedModel, training: TrainingRecord, config: Value) -> Self {
+    pub fn new(model: DriverModel, training: TrainingRecord, config: Value) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             model,
@@ -230,7 +127,7 @@ impl ModelFile {
                 file.units
             )));
         }
-        let model = FittedModel::from_value(file.behaviour, file.model)
+        let model = DriverModel::from_value(file.behaviour, file.model)
             .map_err(|e| refuse(format!("the model: {e}")))?;
         model.check()?;
         Ok(Self {

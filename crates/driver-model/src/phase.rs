@@ -41,7 +41,7 @@ impl PhaseKind {
 
 /// Samples `start..end` of a log with what happens there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Phase {
+pub struct Span {
     /// First sample.
     pub start: usize,
     /// One past the last sample.
@@ -52,7 +52,7 @@ pub struct Phase {
     pub lead_influenced: bool,
 }
 
-impl Phase {
+impl Span {
     pub(crate) fn of(log: &DriveLog, range: Range<usize>, kind: PhaseKind) -> Self {
         Self {
             kind,
@@ -65,9 +65,9 @@ impl Phase {
 
 /// The acceleration among `phases` that a finer segmentation of the same log cuts into most segments, the first of equals.
 #[must_use]
-pub fn most_divided<'a>(phases: &'a [Phase], finer: &Segmentation) -> Option<&'a Phase> {
+pub fn most_divided<'a>(phases: &'a [Span], finer: &Segmentation) -> Option<&'a Span> {
     let boundaries = finer.boundaries();
-    let inside = |phase: &Phase| {
+    let inside = |phase: &Span| {
         let upto = |sample| boundaries.partition_point(|&b| b < sample);
         upto(phase.end) - upto(phase.start)
     };
@@ -118,7 +118,7 @@ impl HeuristicRules {
         let phases = segmentation
             .iter()
             .zip(kinds)
-            .map(|(range, kind)| Phase::of(log, range, kind))
+            .map(|(range, kind)| Span::of(log, range, kind))
             .collect();
         Ok(Segmented {
             metrics: Metrics::new(&self.banded(log)?, &segmentation)?,
@@ -147,7 +147,7 @@ impl HeuristicRules {
 
 /// What a model may be told of a phase before it predicts it. Each model takes only what it declares to know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PhaseOutline {
+pub struct Phase {
     /// Speed at the first sample.
     pub start_speed_mps: f64,
     /// Speed at the last sample.
@@ -184,7 +184,42 @@ impl Onset {
     }
 }
 
-impl PhaseOutline {
+/// A phase between two speeds, which still lacks its duration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub struct PhaseSpeeds {
+    start_mps: f64,
+    end_mps: f64,
+}
+
+impl PhaseSpeeds {
+    /// So long, in steps of 0.1 s, at least one.
+    #[must_use]
+    pub fn lasting(self, duration_s: f64) -> Phase {
+        Phase {
+            start_speed_mps: self.start_mps,
+            end_speed_mps: self.end_mps,
+            step_s: STEP_S,
+            samples: ((duration_s / STEP_S).round() as usize).max(1) + 1,
+            onset: None,
+        }
+    }
+}
+
+/// Sampling interval of a phase that was not recorded.
+const STEP_S: f64 = 0.1;
+
+impl Phase {
+    /// Between two speeds.
+    ///
+    /// ```
+    /// let phase = driver_model::Phase::from_to(0.0, 13.9).lasting(8.0);
+    /// assert_eq!((phase.duration_s(), phase.samples), (8.0, 81));
+    /// ```
+    pub fn from_to(start_mps: f64, end_mps: f64) -> PhaseSpeeds {
+        PhaseSpeeds { start_mps, end_mps }
+    }
+
     /// `T`, from first to last sample.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -237,7 +272,7 @@ pub struct PhaseCurve {
 impl PhaseCurve {
     /// Cuts `phase` out of a log. `None` where it has fewer than two samples or ends with the speed that it began with.
     #[must_use]
-    pub fn cut(motion: &Motion, phase: &Phase) -> Option<Self> {
+    pub fn cut(motion: &Motion, phase: &Span) -> Option<Self> {
         let log = motion.log();
         let range = phase.start..phase.end;
         let speed_mps = log.speed_mps().get(range.clone())?.to_vec();
@@ -287,8 +322,8 @@ impl PhaseCurve {
 
     /// What a model may know.
     #[must_use]
-    pub fn outline(&self) -> PhaseOutline {
-        PhaseOutline {
+    pub fn outline(&self) -> Phase {
+        Phase {
             start_speed_mps: self.speed_mps[0],
             end_speed_mps: self.speed_mps[self.speed_mps.len() - 1],
             step_s: self.step_s,

@@ -8,7 +8,7 @@ use tseg::{
 
 use crate::grid::{above, below};
 use crate::tally::Tally;
-use crate::{Error, Phase, PhaseKind, error};
+use crate::{Error, PhaseKind, Span, error};
 
 /// How a drive is cut into segments by statistics, and how segments become phases (thesis 3.1.2 to 3.1.5, 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,14 +175,14 @@ pub struct Segmented {
     /// Of dynamic programming without merging.
     pub optimality: Option<Optimality>,
     /// One phase per segment.
-    pub phases: Vec<Phase>,
+    pub phases: Vec<Span>,
     /// Homogeneity, on the dead-banded acceleration.
     pub metrics: Metrics,
 }
 
 impl Segmented {
     /// Every phase with its mean speed in m/s and mean acceleration in m/s² (raw, no dead band).
-    pub fn means(&self, log: &DriveLog) -> impl Iterator<Item = (&Phase, f64, f64)> {
+    pub fn means(&self, log: &DriveLog) -> impl Iterator<Item = (&Span, f64, f64)> {
         let (speed, accel) = (log.speed_mps(), log.accel_mps2());
         self.phases.iter().map(move |phase| {
             let range = phase.start..phase.end;
@@ -231,7 +231,7 @@ impl StatisticalRules {
                 let speed_mps = &log.speed_mps()[range.clone()];
                 let accel_mps2 = &prepared.accel_mps2[range.clone()];
                 let tally = Tally::of(speed_mps, accel_mps2, self.accel_deadband_mps2);
-                Phase::of(log, range, self.classify(&tally, log.step_s()))
+                Span::of(log, range, self.classify(&tally, log.step_s()))
             })
             .collect();
         Ok(Segmented {

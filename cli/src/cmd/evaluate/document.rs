@@ -12,9 +12,9 @@ use driver_eval::phase::{
     PhasePrediction, Summary,
 };
 use driver_model::cruise::CruiseModel;
-use driver_model::following::{FollowingKind, FollowingModel, FollowingStretch};
+use driver_model::following::{FollowingModel, FollowingStretch};
 use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
-use driver_model::{AccelDensity, DriverModel, FunctionFit, LeftOut, PhaseKind, Trip};
+use driver_model::{AccelDensity, FunctionFit, LeftOut, ModelKind, PhaseKind, PhaseModel, Trip};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -104,7 +104,7 @@ struct FoldEntry<'a> {
     rmse_mps: Option<f64>,
     in_band_pct: Option<f64>,
     /// `null` for the conditioned profiles with their thousands; `drivekit fit` writes them.
-    parameters: Option<&'a DriverModel>,
+    parameters: Option<&'a PhaseModel>,
     notes: Vec<String>,
 }
 
@@ -170,7 +170,7 @@ impl<'a> Cruise<'a> {
 impl<'a> Following<'a> {
     fn new(evaluation: &'a FollowingEvaluation) -> Self {
         let by_name = |summaries: &PerFollowingModel<FollowingSummary>| {
-            let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
+            let [idm, law] = [ModelKind::Idm, ModelKind::ConstantTimeGap].map(ModelKind::name);
             BTreeMap::from([(idm, summaries.idm), (law, summaries.constant_time_gap)])
         };
         Self {
@@ -221,7 +221,7 @@ impl<'a> FoldEntry<'a> {
         };
         let is_long = matches!(
             fold.model,
-            DriverModel::ProfileConditioned(_) | DriverModel::ProfileOnset(_)
+            PhaseModel::ProfileConditioned(_) | PhaseModel::ProfileOnset(_)
         );
         Self {
             held_out: &units[fold.unit],
@@ -291,7 +291,7 @@ fn gaps(stretch: &FollowingStretch, fold: &FollowingFold) -> Value {
             "gap_rmse_m": model.errors(stretch).gap_rmse_m,
         })
     };
-    let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
+    let [idm, law] = [ModelKind::Idm, ModelKind::ConstantTimeGap].map(ModelKind::name);
     json!({
         "name": stretch.log(),
         "start_s": stretch.start_s(),

@@ -7,7 +7,6 @@ mod text;
 mod trajectory;
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use driver_eval::cruise::{CruiseEvaluation, evaluate_cruise};
@@ -17,9 +16,8 @@ use driver_eval::phase::{
 };
 use driver_model::following::FollowingStretch;
 use driver_model::phase_model::TransitionPoint;
-use driver_model::speed_ahead::DirectKind;
 use driver_model::{
-    Error, FunctionFit, LeftOut, ModelKind, PhaseKind, TrainingSet, Trip, function_fits,
+    Error, FunctionFit, LeftOut, ModelKind, PhaseKind, Subject, TrainingSet, Trip, function_fits,
 };
 use serde::Serialize;
 
@@ -30,6 +28,7 @@ use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Inputs};
+use crate::names;
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
@@ -69,8 +68,8 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_enum, default_value_t = Task::Phases, value_name = "TASK")]
     task: Task,
     /// Models to evaluate, comma separated [default: all of the task]; the baselines are always added
-    #[arg(long, value_delimiter = ',', value_name = "MODEL")]
-    models: Vec<EvaluatedModel>,
+    #[arg(long, value_delimiter = ',', value_parser = names::evaluated_model(), hide_possible_values = true, value_name = "MODEL")]
+    models: Vec<ModelKind>,
     #[command(flatten)]
     #[serde(flatten)]
     trajectory: TrajectoryArgs,
@@ -103,28 +102,6 @@ enum Task {
     Phases,
     /// The speed of the next seconds and of whole trips, from limits and own past
     Trajectory,
-}
-
-/// A model of either task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(untagged)]
-enum EvaluatedModel {
-    Phase(ModelKind),
-    Direct(DirectKind),
-}
-
-impl FromStr for EvaluatedModel {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let of_phases = text.parse().map(Self::Phase);
-        of_phases.or_else(|phases: String| {
-            let direct = text.parse().map(Self::Direct);
-            direct.map_err(|direct: String| {
-                format!("of phases, {phases}; with --task trajectory, {direct}")
-            })
-        })
-    }
 }
 
 /// Everything that was found out.
@@ -173,7 +150,7 @@ impl EvaluateArgs {
     fn figures(&self) -> anyhow::Result<Figures> {
         Ok(match self.task {
             Task::Phases => {
-                let baselines = ModelKind::ALL.into_iter().filter(|kind| kind.is_baseline());
+                let baselines = ModelKind::of(Subject::Phases).filter(|kind| kind.is_baseline());
                 let models = self.phase_models().into_iter().chain(baselines);
                 let names = models.map(ModelKind::name);
                 Figures::of(
@@ -259,12 +236,10 @@ impl EvaluateArgs {
     }
 
     fn phase_models(&self) -> Vec<ModelKind> {
-        let named = self.models.iter().filter_map(|model| match model {
-            EvaluatedModel::Phase(kind) => Some(*kind),
-            EvaluatedModel::Direct(_) => None,
-        });
+        let named = self.models.iter().copied();
+        let named = named.filter(|kind| kind.subject() == Subject::Phases);
         if self.models.is_empty() {
-            ModelKind::ALL.to_vec()
+            ModelKind::of(Subject::Phases).collect()
         } else {
             named.collect()
         }

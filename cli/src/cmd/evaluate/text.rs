@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use driver_eval::cruise::CruiseEvaluation;
 use driver_eval::following::{FollowingEvaluation, FollowingFold, FollowingSummary};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
-use driver_model::following::FollowingKind;
 use driver_model::{ModelKind, PhaseKind, Trip};
 
 use super::{EvaluateArgs, Findings};
@@ -263,7 +262,7 @@ fn following(evaluation: &FollowingEvaluation) -> String {
         "collisions",
         "fit s",
     ]);
-    let [idm, law] = FollowingKind::ALL.map(FollowingKind::name);
+    let [idm, law] = [ModelKind::Idm, ModelKind::ConstantTimeGap].map(ModelKind::name);
     let seconds = |of: fn(&FollowingFold) -> f64| -> f64 { evaluation.folds.iter().map(of).sum() };
     let mut row = |name: &str, s: &FollowingSummary, seconds: f64| {
         table.row([

@@ -31,7 +31,7 @@ pub(super) fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> 
     };
     let mut text = format!(
         "{} fitted to {what} of {}",
-        file.model.name(),
+        file.model.kind().name(),
         plural(training.inputs.len(), "drive"),
     );
     if !training.prior_inputs.is_empty() {

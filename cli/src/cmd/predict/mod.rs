@@ -8,7 +8,7 @@ use clap::Args;
 use driver_eval::phase::PhasePrediction;
 use driver_model::cruise::{CruiseModel, CruiseStretch};
 use driver_model::following::{FollowingErrors, FollowingModel, FollowingStretch};
-use driver_model::{DriverModel, FittedModel, LeftOut, PhaseCurve, PhaseKind, PhaseOutline, Trip};
+use driver_model::{DriverModel, LeftOut, Phase, PhaseCurve, PhaseKind, PhaseModel, Trip};
 use serde::Serialize;
 
 use super::left_out;
@@ -62,24 +62,24 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         .check(&Figures::new(include_str!("../../figures/predict.txt")))?;
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
-    if !args.horizon.is_empty() && !matches!(file.model, FittedModel::SpeedAhead(_)) {
+    if !args.horizon.is_empty() && !matches!(file.model, DriverModel::SpeedAhead(_)) {
         bail!(
             "--horizon: `{}` is no model of the speed ahead",
-            file.model.name()
+            file.model.kind().name()
         );
     }
     let (mut trips, mut whole) = (Vec::new(), Vec::new());
     match file.model {
-        FittedModel::SpeedAhead(_) | FittedModel::Trip(_) => {
+        DriverModel::SpeedAhead(_) | DriverModel::Trip(_) => {
             whole = motions(&inputs, args.phases.slope_bandwidth)?;
         }
         _ => trips = args.phases.trips(&inputs, context)?,
     }
     let left_out: Vec<LeftOut>;
     let (document, text) = match &file.model {
-        FittedModel::Acceleration(model) | FittedModel::Braking(model) => {
+        DriverModel::Acceleration(model) | DriverModel::Braking(model) => {
             let kind = match file.model {
-                FittedModel::Braking(_) => PhaseKind::Braking,
+                DriverModel::Braking(_) => PhaseKind::Braking,
                 _ => PhaseKind::Acceleration,
             };
             let has_some = |trip: &Trip| trip.phases_of(kind).next().is_some();
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
             let logs: Vec<_> = trips.iter().map(entry).collect();
             (serde_json::to_value(&logs)?, phase_table(&logs))
         }
-        FittedModel::Cruise(model) => {
+        DriverModel::Cruise(model) => {
             let has_some = |trip: &Trip| !trip.cruise.is_empty();
             left_out = left_out::without(&trips, has_some, "no stretch of cruising that counts");
             let logs: Vec<_> = trips
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
                 .collect();
             (serde_json::to_value(&logs)?, cruise_table(&logs))
         }
-        FittedModel::Following(model) => {
+        DriverModel::Following(model) => {
             let has_some = |trip: &Trip| !trip.following.is_empty();
             left_out =
                 left_out::without(&trips, has_some, "no stretch behind a vehicle that counts");
@@ -107,13 +107,13 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
                 .collect();
             (serde_json::to_value(&logs)?, following_table(&logs))
         }
-        FittedModel::SpeedAhead(model) => {
+        DriverModel::SpeedAhead(model) => {
             mention_finer_grids(&inputs, context);
             let (logs, without) = ahead::predict(&whole, model, &args.horizon)?;
             left_out = without;
             (serde_json::to_value(&logs)?, ahead::table(&logs))
         }
-        FittedModel::Trip(driver) => {
+        DriverModel::Trip(driver) => {
             let (logs, without) = trip::predict(&whole, driver)?;
             left_out = without;
             (serde_json::to_value(&logs)?, trip::table(&logs))
@@ -152,7 +152,7 @@ struct PhaseEntry {
     start_s: f64,
     end_s: f64,
     #[serde(flatten)]
-    outline: PhaseOutline,
+    outline: Phase,
     #[serde(flatten)]
     prediction: PhasePrediction,
 }
@@ -179,7 +179,7 @@ struct FollowingEntry {
 }
 
 impl<'a> Entry<'a, PhaseEntry> {
-    fn of_phases(trip: &'a Trip, kind: PhaseKind, model: &DriverModel, band_mps: f64) -> Self {
+    fn of_phases(trip: &'a Trip, kind: PhaseKind, model: &PhaseModel, band_mps: f64) -> Self {
         let entry = |curve: &PhaseCurve| {
             let outline = curve.outline();
             PhaseEntry {

@@ -1,7 +1,7 @@
 use super::*;
 
-fn segment(start: usize, end: usize, kind: PhaseKind, lead_influenced: bool) -> Phase {
-    Phase {
+fn segment(start: usize, end: usize, kind: PhaseKind, lead_influenced: bool) -> Span {
+    Span {
         start,
         end,
         kind,
@@ -9,7 +9,7 @@ fn segment(start: usize, end: usize, kind: PhaseKind, lead_influenced: bool) -> 
     }
 }
 
-fn plot<'a>(speed_mps: &'a [f64], segments: &'a [Phase]) -> SpeedPlot<'a> {
+fn plot<'a>(speed_mps: &'a [f64], segments: &'a [Span]) -> SpeedPlot<'a> {
     SpeedPlot {
         title: "drive",
         t0_s: 0.0,

@@ -4,8 +4,8 @@ use drive_log::{Channel, DriveLog};
 use drive_sim::{SimulatedDriver, SynthSettings};
 use driver_model::phase_model::{Exponential, Inverse, Profile, RiseTime};
 use driver_model::{
-    AccelPoint, DriverModel, ModelKind, Motion, Phase, PhaseCurve, PhaseKind, PhaseOutline,
-    TrainingPhase, TrainingSet,
+    AccelPoint, ModelKind, Motion, Phase, PhaseCurve, PhaseKind, PhaseModel, Span, TrainingPhase,
+    TrainingSet,
 };
 
 use crate::simulate::{complete_accelerations, curve, found, ideal, run};
@@ -14,14 +14,14 @@ use crate::simulate::{complete_accelerations, curve, found, ideal, run};
 const BAND_MPS: f64 = 1.5 / 3.6;
 
 /// A straight line with this outline.
-fn line(outline: PhaseOutline) -> PhaseCurve {
+fn line(outline: Phase) -> PhaseCurve {
     let (from_mps, gain_mps) = (outline.start_speed_mps, outline.gain_mps());
     let last = (outline.samples - 1) as f64;
     let speed = |k: usize| from_mps + gain_mps * (k as f64 / last);
     let speed_mps = (0..outline.samples).map(speed).collect();
     let channels = [(Channel::Speed, speed_mps)].into_iter().collect();
     let log = DriveLog::new("log", 0.0, outline.step_s, channels).unwrap();
-    let phase = Phase {
+    let phase = Span {
         start: 0,
         end: outline.samples,
         kind: PhaseKind::Acceleration,
@@ -121,7 +121,7 @@ fn assert_close(found: f64, truth: f64, relative: f64) {
 fn function_fits_find_the_truth_on_short_pieces() {
     // Over 1 s the mean acceleration differs from the acceleration at the mean speed by less than a percent.
     let inverse = ideal(ModelKind::Inverse);
-    let DriverModel::Inverse(truth) = &inverse.driver.acceleration else {
+    let PhaseModel::Inverse(truth) = &inverse.driver.acceleration else {
         unreachable!()
     };
     let fit = Inverse::fit(&means(&inverse, 10)).unwrap();
@@ -129,7 +129,7 @@ fn function_fits_find_the_truth_on_short_pieces() {
     assert_close(fit.p2, truth.p2, 0.01);
 
     let exponential = ideal(ModelKind::Exponential);
-    let DriverModel::Exponential(truth) = &exponential.driver.acceleration else {
+    let PhaseModel::Exponential(truth) = &exponential.driver.acceleration else {
         unreachable!()
     };
     let fit = Exponential::fit_printed(&means(&exponential, 10)).unwrap();
@@ -137,7 +137,7 @@ fn function_fits_find_the_truth_on_short_pieces() {
     assert_close(fit.p2, truth.p2, 0.01);
 
     let amplitude = ideal(ModelKind::ExponentialAmplitude);
-    let DriverModel::ExponentialAmplitude(truth) = &amplitude.driver.acceleration else {
+    let PhaseModel::ExponentialAmplitude(truth) = &amplitude.driver.acceleration else {
         unreachable!()
     };
     let fit = Exponential::fit_with_amplitude(&means(&amplitude, 10)).unwrap();
@@ -150,7 +150,7 @@ fn function_fits_find_the_truth_on_short_pieces() {
 fn function_fits_come_near_the_truth_on_whole_phases() {
     // The mean acceleration of a whole phase is not the acceleration at its mean speed, however exact the fit.
     let inverse = ideal(ModelKind::Inverse);
-    let DriverModel::Inverse(truth) = &inverse.driver.acceleration else {
+    let PhaseModel::Inverse(truth) = &inverse.driver.acceleration else {
         unreachable!()
     };
     let fit = Inverse::fit(&means(&inverse, WHOLE)).unwrap();
@@ -158,7 +158,7 @@ fn function_fits_come_near_the_truth_on_whole_phases() {
     assert_close(fit.p2, truth.p2, 0.05);
 
     let exponential = ideal(ModelKind::Exponential);
-    let DriverModel::Exponential(truth) = &exponential.driver.acceleration else {
+    let PhaseModel::Exponential(truth) = &exponential.driver.acceleration else {
         unreachable!()
     };
     let fit = Exponential::fit_printed(&means(&exponential, WHOLE)).unwrap();
@@ -166,7 +166,7 @@ fn function_fits_come_near_the_truth_on_whole_phases() {
     assert_close(fit.p2, truth.p2, 0.06);
 
     let amplitude = ideal(ModelKind::ExponentialAmplitude);
-    let DriverModel::ExponentialAmplitude(truth) = &amplitude.driver.acceleration else {
+    let PhaseModel::ExponentialAmplitude(truth) = &amplitude.driver.acceleration else {
         unreachable!()
     };
     let fit = Exponential::fit_with_amplitude(&means(&amplitude, WHOLE)).unwrap();
@@ -189,7 +189,7 @@ fn complete_curves(settings: &SynthSettings) -> Vec<PhaseCurve> {
 #[test]
 fn rise_time_finds_every_constant() {
     let settings = ideal(ModelKind::RiseTime);
-    let DriverModel::RiseTime(truth) = &settings.driver.acceleration else {
+    let PhaseModel::RiseTime(truth) = &settings.driver.acceleration else {
         unreachable!()
     };
     // The outlines tell the speeds aimed at, which the curves of this driver do not reach.
@@ -210,7 +210,7 @@ fn rise_time_finds_every_constant() {
 #[test]
 fn profile_finds_the_shape() {
     let settings = ideal(ModelKind::Profile);
-    let DriverModel::Profile(truth) = &settings.driver.acceleration else {
+    let PhaseModel::Profile(truth) = &settings.driver.acceleration else {
         unreachable!()
     };
     let curves = complete_curves(&settings);

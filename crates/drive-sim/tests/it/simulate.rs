@@ -8,7 +8,7 @@ use drive_sim::{
     simulate,
 };
 use driver_model::{
-    DriverModel, ModelKind, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Trip,
+    ModelKind, Motion, PhaseCurve, PhaseKind, PhaseModel, PhaseSettings, Span, Trip,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -48,7 +48,7 @@ pub(crate) fn complete_accelerations(drive: &SimulatedDrive) -> impl Iterator<It
 }
 
 pub(crate) fn curve(log: &DriveLog, phase: &TruePhase) -> PhaseCurve {
-    let phase = Phase {
+    let phase = Span {
         start: phase.start,
         end: phase.end,
         kind: PhaseKind::Acceleration,
@@ -289,7 +289,7 @@ fn the_truth_document_holds_the_model() {
     assert_eq!(truth["vehicle"], "b250e");
     assert_eq!(truth["drives"][1]["name"], "drive-02");
     assert_eq!(truth["drives"][0]["phases"][0]["regime"], "standstill");
-    let model: DriverModel =
+    let model: PhaseModel =
         serde_json::from_value(truth["settings"]["driver"]["acceleration"].clone()).unwrap();
     assert_eq!(model, settings.driver.acceleration);
 }

@@ -1,4 +1,4 @@
-use driver_model::{DriverModel, Error as ModelError, ModelKind, PhaseKind, TrainingSet};
+use driver_model::{Error as ModelError, ModelKind, PhaseKind, PhaseModel, TrainingSet};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -106,7 +106,7 @@ fn point(
             data.prior,
             prior_weight,
         );
-        let fitted = match DriverModel::fit(model, &set) {
+        let fitted = match PhaseModel::fit(model, &set) {
             Err(ModelError::TooFewPhases { .. } | ModelError::Fit { .. }) => return Ok(None),
             fitted => fitted?,
         };

@@ -13,7 +13,7 @@ use driver_model::energy::driving_energy_j;
 use driver_model::error::at_least;
 use driver_model::statistics::mean;
 use driver_model::{
-    DriverModel, Error as ModelError, ModelKind, PhaseCurve, PhaseKind, TrainingSet,
+    Error as ModelError, ModelKind, PhaseCurve, PhaseKind, PhaseModel, Subject, TrainingSet,
 };
 use ev_energy::Vehicle;
 
@@ -44,7 +44,7 @@ pub struct EvaluationSettings {
 impl Default for EvaluationSettings {
     fn default() -> Self {
         Self {
-            models: ModelKind::ALL.to_vec(),
+            models: ModelKind::of(Subject::Phases).collect(),
             band_mps: 3.0 / 3.6,
             prior_weight: DEFAULT_PRIOR_WEIGHT,
         }
@@ -86,7 +86,7 @@ pub struct Fold {
     /// Index of the unit that was held out.
     pub unit: usize,
     /// The model as fitted on all others.
-    pub model: DriverModel,
+    pub model: PhaseModel,
     /// Held-out phases.
     pub phases: usize,
     /// Mean over them; `None` without a phase.
@@ -144,8 +144,7 @@ pub fn leave_one_out(
 ) -> Result<Evaluation, Error> {
     data.check(kind)?;
     settings.check()?;
-    let asked: Vec<ModelKind> = ModelKind::ALL
-        .into_iter()
+    let asked: Vec<ModelKind> = ModelKind::of(Subject::Phases)
         .filter(|model| model.is_baseline() || settings.models.contains(model))
         .collect();
     let units = data.hold_out.run(on_fold, |split| {
@@ -248,7 +247,7 @@ fn fold(
     settings: &EvaluationSettings,
 ) -> Result<(Fold, Predicted), Error> {
     let clock = Instant::now();
-    let model = DriverModel::fit(kind, training)?;
+    let model = PhaseModel::fit(kind, training)?;
     let fit_seconds = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let predictions: Vec<_> = phases

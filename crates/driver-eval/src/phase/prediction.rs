@@ -1,5 +1,5 @@
 use driver_model::phase_model::PredictiveBand;
-use driver_model::{DriverModel, PhaseCurve};
+use driver_model::{PhaseCurve, PhaseModel};
 use serde::Serialize;
 
 /// One model's prediction of one phase, and how far it is off the measured speed.
@@ -26,7 +26,7 @@ impl PhasePrediction {
     /// Predicts from what the model may know of the phase, and judges against the measured speed with a band of the full
     /// width `band_mps`.
     #[must_use]
-    pub fn new(model: &DriverModel, curve: &PhaseCurve, band_mps: f64) -> Self {
+    pub fn new(model: &PhaseModel, curve: &PhaseCurve, band_mps: f64) -> Self {
         let outline = curve.outline();
         let speed_mps = model.predict(&outline);
         let errors = || speed_mps.iter().zip(curve.speed_mps()).map(|(p, m)| p - m);

@@ -6,11 +6,11 @@ mod trip_figures;
 
 use std::time::Instant;
 
-use driver_model::Motion;
 use driver_model::error::at_least;
 use driver_model::speed_ahead::{
-    DirectKind, DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
+    DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
 };
+use driver_model::{ModelKind, Motion, Subject};
 use ev_energy::Vehicle;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub use trip_figures::{TripFigures, TripSummary};
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectorySettings {
     /// Models of the speed ahead; the baselines are always added.
-    pub models: Vec<DirectKind>,
+    pub models: Vec<ModelKind>,
     /// How direct models are fitted.
     pub direct: DirectSettings,
     /// How the five trials are fitted.
@@ -39,7 +39,7 @@ pub struct TrajectorySettings {
 impl Default for TrajectorySettings {
     fn default() -> Self {
         Self {
-            models: DirectKind::ALL.to_vec(),
+            models: ModelKind::of(Subject::SpeedAhead).collect(),
             direct: DirectSettings::default(),
             trials: TrialSettings::default(),
             folds: 3,
@@ -158,9 +158,8 @@ impl TrajectorySettings {
     }
 
     fn contestants(&self, with_limits: bool) -> Vec<Contestant> {
-        let wanted = |kind: &DirectKind| kind.is_baseline() || self.models.contains(kind);
-        let direct = DirectKind::ALL
-            .into_iter()
+        let wanted = |kind: &ModelKind| kind.is_baseline() || self.models.contains(kind);
+        let direct = ModelKind::of(Subject::SpeedAhead)
             .filter(wanted)
             .map(Contestant::Direct);
         let trials = Trial::ALL.into_iter().map(Contestant::Trial);
@@ -171,7 +170,7 @@ impl TrajectorySettings {
 /// What predicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Contestant {
-    Direct(DirectKind),
+    Direct(ModelKind),
     Trial(Trial),
 }
 
@@ -220,7 +219,7 @@ fn learnt_from<'a>(split: Split<'_>, data: &'a TrajectoryData) -> Vec<&'a Motion
 }
 
 fn run_direct(
-    kind: DirectKind,
+    kind: ModelKind,
     split: Split<'_>,
     data: &TrajectoryData,
     settings: &TrajectorySettings,

@@ -4,8 +4,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{Evaluation, EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{ConditionedProfile, Conditioning};
 use driver_model::{
-    DriverModel, Error, FittedModel, ModelFile, ModelKind, Onset, PhaseCurve, PhaseKind,
-    PhaseOutline, PhaseSettings, TrainingRecord, Trip,
+    DriverModel, Error, ModelFile, ModelKind, Onset, Phase, PhaseCurve, PhaseKind, PhaseModel,
+    PhaseSettings, TrainingRecord, Trip,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::support::{assorted, curve_from, motion_of, plain_set, shaped};
 
 /// Errors of all samples over the gain of their phase.
-fn errors(model: &DriverModel, curves: &[PhaseCurve]) -> Vec<f64> {
+fn errors(model: &PhaseModel, curves: &[PhaseCurve]) -> Vec<f64> {
     let of_curve = |curve: &PhaseCurve| {
         let outline = curve.outline();
         let pairs = model.predict(&outline).into_iter();
@@ -24,18 +24,18 @@ fn errors(model: &DriverModel, curves: &[PhaseCurve]) -> Vec<f64> {
     curves.iter().flat_map(of_curve).collect()
 }
 
-fn worst(model: &DriverModel, curves: &[PhaseCurve]) -> f64 {
+fn worst(model: &PhaseModel, curves: &[PhaseCurve]) -> f64 {
     let errors = errors(model, curves);
     errors.into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
-fn root_mean_square(model: &DriverModel, curves: &[PhaseCurve]) -> f64 {
+fn root_mean_square(model: &PhaseModel, curves: &[PhaseCurve]) -> f64 {
     let errors = errors(model, curves);
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-fn fit(kind: ModelKind, curves: &[PhaseCurve]) -> DriverModel {
-    DriverModel::fit(kind, &plain_set(curves)).unwrap()
+fn fit(kind: ModelKind, curves: &[PhaseCurve]) -> PhaseModel {
+    PhaseModel::fit(kind, &plain_set(curves)).unwrap()
 }
 
 #[test]
@@ -140,16 +140,16 @@ fn bands_hold_their_share_of_simulated_phases_that_were_held_out() {
     }
 }
 
-fn fitted(conditioning: Conditioning) -> DriverModel {
+fn fitted(conditioning: Conditioning) -> PhaseModel {
     let curves = assorted(40);
     let model = ConditionedProfile::fit(conditioning, &plain_set(&curves)).unwrap();
     match conditioning {
-        Conditioning::Outline => DriverModel::ProfileConditioned(model),
-        Conditioning::Onset => DriverModel::ProfileOnset(model),
+        Conditioning::Outline => PhaseModel::ProfileConditioned(model),
+        Conditioning::Onset => PhaseModel::ProfileOnset(model),
     }
 }
 
-fn file(model: DriverModel) -> ModelFile {
+fn file(model: PhaseModel) -> ModelFile {
     let training = TrainingRecord {
         phases: 40,
         points: 0,
@@ -157,7 +157,7 @@ fn file(model: DriverModel) -> ModelFile {
         prior_inputs: Vec::new(),
         prior_weight: 0.0,
     };
-    ModelFile::new(FittedModel::Acceleration(model), training, json!({}))
+    ModelFile::new(DriverModel::Acceleration(model), training, json!({}))
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn written_and_read_it_predicts_the_same_bits() {
         let written = file(fitted(conditioning));
         let read = ModelFile::from_json(&written.to_json().unwrap()).unwrap();
         assert_eq!(read, written);
-        let (FittedModel::Acceleration(read), FittedModel::Acceleration(written)) =
+        let (DriverModel::Acceleration(read), DriverModel::Acceleration(written)) =
             (read.model, written.model)
         else {
             panic!("models of phases");
@@ -279,13 +279,13 @@ fn one_kind_does_not_pass_for_the_other() {
 
 #[test]
 fn numbers_that_are_none_are_refused_without_a_file() {
-    let DriverModel::ProfileConditioned(whole) = fitted(Conditioning::Outline) else {
+    let PhaseModel::ProfileConditioned(whole) = fitted(Conditioning::Outline) else {
         unreachable!()
     };
     let refused = |damage: fn(&mut ConditionedProfile)| {
         let mut model = whole.clone();
         damage(&mut model);
-        let check = DriverModel::ProfileConditioned(model).check();
+        let check = PhaseModel::ProfileConditioned(model).check();
         assert!(matches!(check, Err(Error::Parameter { .. })));
     };
     refused(|m| m.basis.mean[0] = f64::NAN);
@@ -325,9 +325,9 @@ proptest! {
         start in hostile(), end in hostile(), samples in 1..300usize,
         step in prop_oneof![Just(1e-6), Just(0.1), Just(1e6)], onset in hostile_onset(),
     ) {
-        let outline = PhaseOutline { start_speed_mps: start, end_speed_mps: end, step_s: step, samples, onset };
+        let outline = Phase { start_speed_mps: start, end_speed_mps: end, step_s: step, samples, onset };
         thread_local! {
-            static MODELS: [DriverModel; 2] = [fitted(Conditioning::Outline), fitted(Conditioning::Onset)];
+            static MODELS: [PhaseModel; 2] = [fitted(Conditioning::Outline), fitted(Conditioning::Onset)];
         }
         MODELS.with(|models| {
             for model in models {

@@ -7,7 +7,7 @@ use driver_eval::phase::{
     Evaluation, EvaluationData, EvaluationSettings, Fold, LearningPoint, TrainingSource,
     learning_curve, leave_one_out,
 };
-use driver_model::{DriverModel, ModelKind, PhaseKind, Trip};
+use driver_model::{ModelKind, PhaseKind, PhaseModel, Subject, Trip};
 use ev_energy::Vehicle;
 
 use crate::support::{assorted, fixture_trips, points_of, trip_of, trips_in};
@@ -54,8 +54,12 @@ fn every_model_and_baseline_is_judged_on_every_phase() {
     let evaluation = evaluate(&trips);
     let accelerations = |t: &Trip| t.phases_of(PhaseKind::Acceleration).count();
     let phases: usize = trips.iter().map(accelerations).sum();
-    assert_eq!(evaluation.models, ModelKind::ALL);
-    assert_eq!(evaluation.folds.len(), trips.len() * ModelKind::ALL.len());
+    let all: Vec<ModelKind> = ModelKind::of(Subject::Phases).collect();
+    assert_eq!(evaluation.models, all);
+    assert_eq!(
+        evaluation.folds.len(),
+        trips.len() * ModelKind::of(Subject::Phases).count()
+    );
     assert_eq!(evaluation.phases.len(), phases);
     for (kind, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
         assert_eq!(summary.figures.phases, phases, "{kind}");
@@ -173,7 +177,7 @@ fn phases_of_one_unit_never_train_that_unit() {
             .map(with_others)
             .collect::<Vec<_>>());
         assert_eq!(before.models, after.models);
-        let folds = |evaluation: &Evaluation, own: bool| -> Vec<DriverModel> {
+        let folds = |evaluation: &Evaluation, own: bool| -> Vec<PhaseModel> {
             let wanted = |fold: &&Fold| (fold.unit == held_out) == own;
             let folds = evaluation.folds.iter().filter(wanted);
             folds.map(|fold| fold.model.clone()).collect()
@@ -181,7 +185,7 @@ fn phases_of_one_unit_never_train_that_unit() {
         assert_eq!(folds(&before, true), folds(&after, true));
         let others = folds(&before, false).into_iter().zip(folds(&after, false));
         let learns =
-            |model: &DriverModel| !matches!(model, DriverModel::Straight | DriverModel::Smoothstep);
+            |model: &PhaseModel| !matches!(model, PhaseModel::Straight | PhaseModel::Smoothstep);
         assert!(others.filter(|(b, _)| learns(b)).all(|(b, a)| b != a));
     }
     for phase in &before.phases {
@@ -228,7 +232,10 @@ fn a_model_with_too_little_to_learn_is_left_out_and_the_others_stay() {
     let reason = &evaluation.left_out[0].1;
     assert!(reason.contains("8 of at least 10 phases"), "{reason}");
     let models = evaluation.models.len();
-    assert_eq!(models + left_out.len(), ModelKind::ALL.len());
+    assert_eq!(
+        models + left_out.len(),
+        ModelKind::of(Subject::Phases).count()
+    );
     assert_eq!(evaluation.summaries.len(), models);
     assert_eq!(evaluation.folds.len(), 3 * models);
     assert_eq!(evaluation.phases.len(), 12);

@@ -7,9 +7,9 @@ use drive_log::{Channel, DriveLog, LayoutChoice, Preparation, prepare, read_file
 use driver_eval::HoldOut;
 use driver_eval::following::{FollowingEvaluation, evaluate_following};
 use driver_model::Error;
+use driver_model::ModelKind;
 use driver_model::following::{
-    ConstantTimeGap, FollowingKind, FollowingModel, FollowingSettings, FollowingStretch, Idm,
-    following_stretches,
+    ConstantTimeGap, FollowingModel, FollowingSettings, FollowingStretch, Idm, following_stretches,
 };
 use proptest::prelude::*;
 
@@ -147,7 +147,7 @@ fn without_a_leaders_speed_its_gap_tells_enough() {
     let [speed, gap, _] = series;
     let channels = BTreeMap::from([(Channel::Speed, speed), (Channel::LeadGap, gap)]);
     let stretch = one_stretch(&DriveLog::new("log", 0.0, 0.1, channels).unwrap());
-    let fit = FollowingModel::fit(FollowingKind::Idm, &[&stretch]).unwrap();
+    let fit = FollowingModel::fit(ModelKind::Idm, &[&stretch]).unwrap();
     assert!(fit.model.errors(&stretch).gap_rmse_m < 0.3);
 }
 
@@ -207,7 +207,7 @@ fn too_little_to_learn_from_is_an_error() {
     };
     assert!(few(&[]));
     assert!(few(&[simulated(&IDM), simulated(&IDM)]));
-    assert!(FollowingModel::fit(FollowingKind::Idm, &[]).is_err());
+    assert!(FollowingModel::fit(ModelKind::Idm, &[]).is_err());
 }
 
 /// Everything but the seconds that it took.

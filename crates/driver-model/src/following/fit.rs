@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::simulation::root_mean_square;
-use super::{FollowingKind, FollowingModel, FollowingStretch, Parameter};
-use crate::Error;
+use super::{Family, FollowingModel, FollowingStretch, Parameter};
 use crate::least_squares::{Bounds, unconverged};
+use crate::{Error, ModelKind};
 
 /// A model of car following fitted to stretches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,23 +52,21 @@ impl FollowingModel {
     ///
     /// # Errors
     /// [`Error::TooFewStretches`] without stretches, or with less samples than parameters; [`Error::Fit`] where the best
-    /// end point is not one that the method converged to.
-    pub fn fit(
-        kind: FollowingKind,
-        stretches: &[&FollowingStretch],
-    ) -> Result<FollowingFit, Error> {
+    /// end point is not one that the method converged to; [`Error::Subject`] for a model of anything else.
+    pub fn fit(kind: ModelKind, stretches: &[&FollowingStretch]) -> Result<FollowingFit, Error> {
+        let family = Family::of(kind)?;
         let samples: usize = stretches.iter().map(|s| compared_samples(s)).sum();
-        if samples < kind.parameters().len() {
+        if samples < family.parameters.len() {
             return Err(Error::TooFewStretches {
                 found: samples,
-                needed: kind.parameters().len(),
+                needed: family.parameters.len(),
                 unit: "half seconds behind a vehicle (lead_gap_m) to learn from",
             });
         }
-        let ends: Vec<End> = kind
-            .starts()
+        let ends: Vec<End> = family
+            .starts
             .par_iter()
-            .map(|start| Problem::new(kind, start, stretches).solve())
+            .map(|start| Problem::new(family, start, stretches).solve())
             .collect();
         let failure = |reason: String| Error::Fit {
             model: kind.name(),
@@ -83,11 +81,11 @@ impl FollowingModel {
             return Err(failure(reason));
         }
         Ok(FollowingFit {
-            model: kind.model(&best.values),
+            model: (family.model)(&best.values),
             mean_square: 2.0 * best.half_sum / samples as f64,
             stretches: stretches.len(),
-            at_bound: kind
-                .parameters()
+            at_bound: family
+                .parameters
                 .iter()
                 .zip(&best.values)
                 .filter(|(parameter, value)| parameter.is_at_bound(**value))
@@ -118,7 +116,7 @@ struct End {
 }
 
 struct Problem<'a> {
-    kind: FollowingKind,
+    family: &'static Family,
     stretches: &'a [&'a FollowingStretch],
     /// `S` and `V` per stretch.
     scales: Vec<(f64, f64)>,
@@ -126,13 +124,13 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn new(kind: FollowingKind, start: &[f64], stretches: &'a [&'a FollowingStretch]) -> Self {
-        let parameters = kind.parameters();
+    fn new(family: &'static Family, start: &[f64], stretches: &'a [&'a FollowingStretch]) -> Self {
+        let parameters = family.parameters;
         let starts = parameters.iter().zip(start);
         let free = starts.map(|(parameter, value)| parameter.bounds().free(*value));
         let scale = |values: &[f64]| root_mean_square(values).max(SMALLEST_SCALE);
         Self {
-            kind,
+            family,
             stretches,
             scales: stretches
                 .iter()
@@ -157,8 +155,8 @@ impl<'a> Problem<'a> {
     }
 
     fn values(&self) -> Vec<f64> {
-        self.kind
-            .parameters()
+        self.family
+            .parameters
             .iter()
             .zip(self.free.iter())
             .map(|(parameter, free)| parameter.bounds().bounded(*free))
@@ -167,7 +165,7 @@ impl<'a> Problem<'a> {
 
     /// Relative errors of gap and speed, one after the other.
     fn residuals_at(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let model = self.kind.model(values);
+        let model = (self.family.model)(values);
         let mut residuals = Vec::new();
         for (stretch, (gap_scale_m, speed_scale_mps)) in self.stretches.iter().zip(&self.scales) {
             let every = compare_every(stretch);
@@ -218,7 +216,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         let values = self.values();
         let here = self.residuals_at(&values)?;
         let mut jacobian = DMatrix::zeros(here.len(), values.len());
-        for (k, parameter) in self.kind.parameters().iter().enumerate() {
+        for (k, parameter) in self.family.parameters.iter().enumerate() {
             // Inward from the upper bound.
             let bounds = parameter.bounds();
             let step = DIFFERENCE * bounds.width();

@@ -34,27 +34,15 @@ pub use idm::Idm;
 pub use simulation::{FollowingErrors, SimulatedFollowing};
 pub use stretch::{FollowingSettings, FollowingStretch, following_stretches};
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::{Error, ModelKind, Subject};
 
 /// No model brakes harder.
 const FULL_BRAKING_MPS2: f64 = 8.0;
 
 /// Gaps below this count as this.
 const SMALLEST_GAP_M: f64 = 0.1;
-
-/// The models of car following, in the order in which tables print them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FollowingKind {
-    /// Intelligent driver model.
-    Idm,
-    /// Baseline: constant-time-gap law.
-    ConstantTimeGap,
-}
 
 /// A parameter of a model of car following, and between which bounds it is sought.
 struct Parameter {
@@ -67,77 +55,66 @@ const fn parameter(name: &'static str, lower: f64, upper: f64) -> Parameter {
     Parameter { name, lower, upper }
 }
 
-const IDM: [Parameter; 5] = [
-    parameter("max_accel_mps2", 0.3, 5.0),
-    parameter("comfortable_decel_mps2", 0.3, 5.0),
-    parameter("time_headway_s", 0.1, 5.0),
-    parameter("standstill_gap_m", 0.5, 8.0),
-    parameter("desired_speed_mps", 5.0, 70.0),
-];
-
-const CONSTANT_TIME_GAP: [Parameter; 3] = [
-    parameter("time_gap_s", 0.1, 5.0),
-    parameter("standstill_gap_m", 0.5, 8.0),
-    parameter("gap_gain_per_s", 0.01, 5.0),
-];
-
-impl FollowingKind {
-    /// Both of them.
-    pub const ALL: [Self; 2] = [Self::Idm, Self::ConstantTimeGap];
-
-    /// As in JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Idm => "idm",
-            Self::ConstantTimeGap => "constant-time-gap",
-        }
-    }
-
-    fn parameters(self) -> &'static [Parameter] {
-        match self {
-            Self::Idm => &IDM,
-            Self::ConstantTimeGap => &CONSTANT_TIME_GAP,
-        }
-    }
-
+/// What a fit needs of a model.
+struct Family {
+    parameters: &'static [Parameter],
     /// Where the fit starts: an ordinary driver, a close one and a distant one.
-    fn starts(self) -> &'static [&'static [f64]] {
-        match self {
-            Self::Idm => &[
-                &[1.3, 1.7, 1.4, 2.0, 35.0],
-                &[2.5, 2.5, 0.7, 3.0, 25.0],
-                &[0.8, 1.0, 2.2, 5.0, 45.0],
-            ],
-            Self::ConstantTimeGap => &[&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],
-        }
-    }
-
-    /// The model of these parameters, in the order of [`FollowingKind::parameters`].
-    fn model(self, values: &[f64]) -> FollowingModel {
-        let value = |k: usize| values.get(k).copied().unwrap_or(f64::NAN);
-        match self {
-            Self::Idm => FollowingModel::Idm {
-                idm: Idm {
-                    max_accel_mps2: value(0),
-                    comfortable_decel_mps2: value(1),
-                    time_headway_s: value(2),
-                    standstill_gap_m: value(3),
-                },
-                desired_speed_mps: value(4),
-            },
-            Self::ConstantTimeGap => FollowingModel::ConstantTimeGap(ConstantTimeGap {
-                time_gap_s: value(0),
-                standstill_gap_m: value(1),
-                gap_gain_per_s: value(2),
-            }),
-        }
-    }
+    starts: [&'static [f64]; 3],
+    /// The model of values in the order of the parameters; NaN where there are too few.
+    model: fn(&[f64]) -> FollowingModel,
 }
 
-impl fmt::Display for FollowingKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+const IDM: Family = Family {
+    parameters: &[
+        parameter("max_accel_mps2", 0.3, 5.0),
+        parameter("comfortable_decel_mps2", 0.3, 5.0),
+        parameter("time_headway_s", 0.1, 5.0),
+        parameter("standstill_gap_m", 0.5, 8.0),
+        parameter("desired_speed_mps", 5.0, 70.0),
+    ],
+    starts: [
+        &[1.3, 1.7, 1.4, 2.0, 35.0],
+        &[2.5, 2.5, 0.7, 3.0, 25.0],
+        &[0.8, 1.0, 2.2, 5.0, 45.0],
+    ],
+    model: |values| FollowingModel::Idm {
+        idm: Idm {
+            max_accel_mps2: value(values, 0),
+            comfortable_decel_mps2: value(values, 1),
+            time_headway_s: value(values, 2),
+            standstill_gap_m: value(values, 3),
+        },
+        desired_speed_mps: value(values, 4),
+    },
+};
+
+const CONSTANT_TIME_GAP: Family = Family {
+    parameters: &[
+        parameter("time_gap_s", 0.1, 5.0),
+        parameter("standstill_gap_m", 0.5, 8.0),
+        parameter("gap_gain_per_s", 0.01, 5.0),
+    ],
+    starts: [&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],
+    model: |values| {
+        FollowingModel::ConstantTimeGap(ConstantTimeGap {
+            time_gap_s: value(values, 0),
+            standstill_gap_m: value(values, 1),
+            gap_gain_per_s: value(values, 2),
+        })
+    },
+};
+
+fn value(values: &[f64], k: usize) -> f64 {
+    values.get(k).copied().unwrap_or(f64::NAN)
+}
+
+impl Family {
+    fn of(kind: ModelKind) -> Result<&'static Self, Error> {
+        match kind {
+            ModelKind::Idm => Ok(&IDM),
+            ModelKind::ConstantTimeGap => Ok(&CONSTANT_TIME_GAP),
+            _ => Err(kind.is_not_of(Subject::Following)),
+        }
     }
 }
 
@@ -159,10 +136,10 @@ pub enum FollowingModel {
 impl FollowingModel {
     /// Which model this is.
     #[must_use]
-    pub fn kind(&self) -> FollowingKind {
+    pub fn kind(&self) -> ModelKind {
         match self {
-            Self::Idm { .. } => FollowingKind::Idm,
-            Self::ConstantTimeGap(_) => FollowingKind::ConstantTimeGap,
+            Self::Idm { .. } => ModelKind::Idm,
+            Self::ConstantTimeGap(_) => ModelKind::ConstantTimeGap,
         }
     }
 
@@ -183,7 +160,8 @@ impl FollowingModel {
     /// # Errors
     /// [`Error::Parameter`] for the first that no fit can produce.
     pub fn check(&self) -> Result<(), Error> {
-        for (parameter, value) in self.kind().parameters().iter().zip(self.values()) {
+        let parameters = self.family().parameters;
+        for (parameter, value) in parameters.iter().zip(self.values()) {
             if !(parameter.lower..=parameter.upper).contains(&value) {
                 return Err(Error::Parameter {
                     model: self.kind().name(),
@@ -213,6 +191,13 @@ impl FollowingModel {
         }
     }
 
+    fn family(&self) -> &'static Family {
+        match self {
+            Self::Idm { .. } => &IDM,
+            Self::ConstantTimeGap(_) => &CONSTANT_TIME_GAP,
+        }
+    }
+
     fn values(&self) -> Vec<f64> {
         match self {
             Self::Idm {
@@ -239,9 +224,10 @@ mod tests {
 
     #[test]
     fn starts_lie_inside_the_bounds_and_come_back() {
-        for kind in FollowingKind::ALL {
-            for start in kind.starts() {
-                let model = kind.model(start);
+        for kind in ModelKind::of(Subject::Following) {
+            let family = Family::of(kind).unwrap();
+            for start in family.starts {
+                let model = (family.model)(start);
                 assert!(model.check().is_ok());
                 assert_eq!((model.kind(), model.values()), (kind, start.to_vec()));
                 let text = serde_json::to_string(&model).unwrap();

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use super::kernel_ridge::{Features, GaussianBasis, MAX_FEATURES, Regression};
 use super::profile::{at, normalised};
-use crate::{Error, PhaseOutline, TrainingSet};
+use crate::{Error, Phase, TrainingSet};
 
 /// The driver's normalised shape `(v − v0)/(v_end − v0)` over `t/T`, as it depends on the phase, with a predictive band.
 ///
@@ -139,7 +139,7 @@ impl ConditionedProfile {
 
     /// Speed in m/s at every sample of the phase.
     #[must_use]
-    pub fn speeds_mps(&self, outline: &PhaseOutline) -> Vec<f64> {
+    pub fn speeds_mps(&self, outline: &Phase) -> Vec<f64> {
         let mut shape = self.mean_shape.clone();
         let values = self.basis.values(&features(outline));
         for (value, coefficients) in values.iter().zip(&self.shape_coefficients) {
@@ -153,7 +153,7 @@ impl ConditionedProfile {
 
     /// The bands, by rising level.
     #[must_use]
-    pub fn bands(&self, outline: &PhaseOutline) -> Vec<PredictiveBand> {
+    pub fn bands(&self, outline: &Phase) -> Vec<PredictiveBand> {
         let values = self.basis.values(&features(outline));
         let terms = values.iter().zip(&self.log_spread_coefficients);
         let log_spread = self.mean_log_spread + terms.map(|(v, c)| v * c).sum::<f64>();
@@ -240,7 +240,7 @@ impl Conditioning {
 }
 
 /// Start speed, duration, pace, and the onset in the direction of the phase.
-fn features(outline: &PhaseOutline) -> Features {
+fn features(outline: &Phase) -> Features {
     let gain_mps = outline.gain_mps();
     let duration_s = outline.duration_s();
     let sign = gain_mps.signum();
@@ -307,7 +307,7 @@ fn quantile<'a>(values: impl Iterator<Item = &'a f64>, weights: &[f64], share: f
 }
 
 /// A list over equal steps of `t/T`, at the samples of a phase.
-fn at_samples(knots: &[f64], outline: &PhaseOutline) -> impl Iterator<Item = f64> {
+fn at_samples(knots: &[f64], outline: &Phase) -> impl Iterator<Item = f64> {
     let scale = (knots.len() - 1) as f64 / (outline.samples.max(2) - 1) as f64;
     (0..outline.samples).map(move |k| at(knots, k as f64 * scale))
 }

@@ -1,7 +1,7 @@
 //! One file per model of a single acceleration phase, with the baselines.
 //!
 //! Every model answers the same question: given what it may know of a phase, which speed is driven at
-//! `t = 0, Δt, 2Δt, …`? [`crate::PhaseOutline`] holds what may be known, and each type here takes only its share of it.
+//! `t = 0, Δt, 2Δt, …`? [`crate::Phase`] holds what may be known, and each type here takes only its share of it.
 
 mod baseline;
 mod conditioned;

@@ -8,7 +8,6 @@ mod selection;
 mod trial;
 
 pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead, origins};
-pub use kind::DirectKind;
 pub use trial::{FittedTrial, Trial, TrialSettings};
 
 /// Memory of the kernel rows of one fit; as many fits run at once as there are threads.

@@ -1,7 +1,7 @@
 //! Braking: acceleration in reversed time.
 
 use driver_model::phase_model::{Profile, RiseTime};
-use driver_model::{DriverModel, ModelKind, Onset, PhaseCurve, PhaseOutline, TrainingSet};
+use driver_model::{ModelKind, Onset, Phase, PhaseCurve, PhaseModel, Subject, TrainingSet};
 use proptest::prelude::*;
 
 use crate::support::{assorted, mirrored, plain_set, points_of};
@@ -26,11 +26,7 @@ fn ends(kind: ModelKind) -> (bool, bool) {
         ModelKind::RiseTime | ModelKind::RiseTimeExact | ModelKind::TransitionPoint => {
             (false, true)
         }
-        ModelKind::Profile
-        | ModelKind::ProfileConditioned
-        | ModelKind::ProfileOnset
-        | ModelKind::Straight
-        | ModelKind::Smoothstep => (true, true),
+        _ => (true, true),
     }
 }
 
@@ -43,18 +39,18 @@ proptest! {
     ) {
         let curves = brakings();
         let training = training(&curves);
-        let outline = PhaseOutline {
+        let outline = Phase {
             start_speed_mps: end + loss,
             end_speed_mps: end,
             step_s: 0.1,
             samples,
             onset: Some(Onset { accel_mps2: accel, jerk_mps3: 2.0 * accel, previous_jerk_mps3: 0.0 }),
         };
-        for kind in ModelKind::ALL {
+        for kind in ModelKind::of(Subject::Phases) {
             if kind == ModelKind::TransitionPoint {
                 continue;
             }
-            let model = DriverModel::fit(kind, &training).unwrap();
+            let model = PhaseModel::fit(kind, &training).unwrap();
             let speed = model.predict(&outline);
             prop_assert_eq!(speed.len(), samples);
             prop_assert!(speed.iter().all(|v| v.is_finite() && *v >= 0.0), "{} {:?}", kind, speed);
@@ -70,7 +66,7 @@ proptest! {
 }
 
 /// Predictions of a braking and of its mirror, the latter in reversed time.
-fn assert_mirrored(of_brakings: &DriverModel, of_accelerations: &DriverModel) {
+fn assert_mirrored(of_brakings: &PhaseModel, of_accelerations: &PhaseModel) {
     for braking in brakings() {
         let outline = braking.outline();
         let mut rising = of_accelerations.predict(&outline.rising());
@@ -89,17 +85,17 @@ fn profile_and_rise_time_of_braking_are_those_of_the_mirrored_acceleration() {
         RiseTime::RISE_TIME_CONSTANTS,
         RiseTime::EXACT_RISE_TIME_CONSTANTS,
     ] {
-        let fit = |t| DriverModel::RiseTime(RiseTime::fit(t, constants).unwrap());
+        let fit = |t| PhaseModel::RiseTime(RiseTime::fit(t, constants).unwrap());
         assert_eq!(fit(&brakings), fit(&accelerations));
         assert_mirrored(&fit(&brakings), &fit(&accelerations));
     }
-    let fit = |t| DriverModel::Profile(Profile::fit(t).unwrap());
+    let fit = |t| PhaseModel::Profile(Profile::fit(t).unwrap());
     assert_mirrored(&fit(&brakings), &fit(&accelerations));
 }
 
 #[test]
 fn braking_past_standstill_stands() {
-    let outline = PhaseOutline {
+    let outline = Phase {
         start_speed_mps: 5.0,
         end_speed_mps: 0.0,
         step_s: 0.1,
@@ -114,7 +110,7 @@ fn braking_past_standstill_stands() {
         ModelKind::ExponentialAmplitude,
         ModelKind::Constant,
     ] {
-        let speed = DriverModel::fit(kind, &training).unwrap().predict(&outline);
+        let speed = PhaseModel::fit(kind, &training).unwrap().predict(&outline);
         assert_eq!(speed[599], 0.0, "{kind}");
         assert!(speed.is_sorted_by(|a, b| a >= b), "{kind}");
     }

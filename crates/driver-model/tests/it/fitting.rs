@@ -1,7 +1,7 @@
 //! Fits recover what made the data, stay inside their bounds, and say what they lack.
 
 use driver_model::phase_model::{Constant, Exponential, Inverse, Profile, RiseTime};
-use driver_model::{AccelPoint, Error, PhaseOutline, TrainingSet};
+use driver_model::{AccelPoint, Error, Phase, TrainingSet};
 use proptest::prelude::*;
 
 use crate::support::{curve_of, line, plain_set};
@@ -117,8 +117,8 @@ fn too_little_to_learn_from_is_said() {
     );
 }
 
-fn outline(start_kmh: f64, end_kmh: f64, duration_s: f64) -> PhaseOutline {
-    PhaseOutline {
+fn outline(start_kmh: f64, end_kmh: f64, duration_s: f64) -> Phase {
+    Phase {
         start_speed_mps: start_kmh / 3.6,
         end_speed_mps: end_kmh / 3.6,
         step_s: 0.1,

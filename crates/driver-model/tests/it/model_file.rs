@@ -4,11 +4,11 @@ use driver_model::cruise::{Bias, CruiseModel};
 use driver_model::following::{FollowingModel, Idm};
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
 use driver_model::{
-    DriverModel, Error, FittedModel, ModelFile, PhaseOutline, TrainingInput, TrainingRecord,
+    DriverModel, Error, ModelFile, Phase, PhaseModel, TrainingInput, TrainingRecord,
 };
 use proptest::prelude::*;
 
-fn file(model: DriverModel) -> ModelFile {
+fn file(model: PhaseModel) -> ModelFile {
     let input = |path: &str| TrainingInput {
         path: path.to_owned(),
         sha256: "ab".to_owned(),
@@ -21,19 +21,19 @@ fn file(model: DriverModel) -> ModelFile {
         prior_weight: 1.0 / 3.0,
     };
     let config = serde_json::json!({ "min_gain": 10.0 });
-    ModelFile::new(FittedModel::Braking(model), training, config)
+    ModelFile::new(DriverModel::Braking(model), training, config)
 }
 
-fn models() -> Vec<DriverModel> {
+fn models() -> Vec<PhaseModel> {
     vec![
-        DriverModel::Inverse(Inverse {
+        PhaseModel::Inverse(Inverse {
             p1: 0.1,
             p2: 1.0 / 3.0,
         }),
-        DriverModel::Profile(Profile {
+        PhaseModel::Profile(Profile {
             shape: vec![0.0, 0.3, 1.0],
         }),
-        DriverModel::RiseTime(RiseTime {
+        PhaseModel::RiseTime(RiseTime {
             groups: vec![driver_model::phase_model::GroupConstant {
                 group: SpeedGroup {
                     start_band: 0,
@@ -43,7 +43,7 @@ fn models() -> Vec<DriverModel> {
                 phases: 7,
             }],
         }),
-        DriverModel::Straight,
+        PhaseModel::Straight,
     ]
 }
 
@@ -100,7 +100,7 @@ fn a_file_of_another_version_or_program_says_what_to_do() {
     assert!(reason.contains("`drivekit/evaluation/1`"), "{reason}");
     assert!(reason.contains("is no model"), "{reason}");
 
-    let good = file(DriverModel::Straight).to_json().unwrap();
+    let good = file(PhaseModel::Straight).to_json().unwrap();
     let reason = refusal(&good.replace("SI: m, s", "imperial: mi, h"));
     assert!(reason.contains("units"), "{reason}");
     let reason = refusal(&good.replace("\"braking\"", "\"cruise\""));
@@ -125,14 +125,14 @@ fn models_of_cruising_and_following_have_files_of_the_same_kind() {
         idm: Idm::default(),
         desired_speed_mps: 30.0,
     };
-    let training = file(DriverModel::Straight).training;
+    let training = file(PhaseModel::Straight).training;
     for (model, key, lie) in [
         (
-            FittedModel::Cruise(cruise),
+            DriverModel::Cruise(cruise),
             "\"deviation_mps\": 0.35",
             "\"deviation_mps\": -1",
         ),
-        (FittedModel::Following(following), "30.0", "9999.0"),
+        (DriverModel::Following(following), "30.0", "9999.0"),
     ] {
         let written = ModelFile::new(model, training.clone(), serde_json::json!({}));
         let text = written.to_json().unwrap();
@@ -154,8 +154,8 @@ proptest! {
         let index = (place * bytes.len() as f64) as usize;
         bytes[index] = byte;
         let text = String::from_utf8_lossy(&bytes);
-        if let Ok(ModelFile { model: FittedModel::Braking(model), .. }) = ModelFile::from_json(&text) {
-            let outline = PhaseOutline {
+        if let Ok(ModelFile { model: DriverModel::Braking(model), .. }) = ModelFile::from_json(&text) {
+            let outline = Phase {
                 start_speed_mps: 3.0,
                 end_speed_mps: 12.0,
                 step_s: 0.1,

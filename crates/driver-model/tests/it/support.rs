@@ -5,7 +5,7 @@ use std::path::Path;
 
 use drive_log::{Channel, DriveLog};
 use driver_model::{
-    AccelPoint, Motion, Phase, PhaseCurve, PhaseKind, PhaseOutline, PhaseSettings, TrainingPhase,
+    AccelPoint, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Span, TrainingPhase,
     TrainingSet, Trip, phase_model,
 };
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
@@ -24,7 +24,7 @@ pub(crate) fn motion_of(log: &DriveLog) -> Motion {
 /// Samples `start..` of a log as a phase.
 pub(crate) fn curve_from(start: usize, speed_mps: Vec<f64>) -> PhaseCurve {
     let end = speed_mps.len();
-    let phase = Phase {
+    let phase = Span {
         start,
         end,
         kind: PhaseKind::Acceleration,
@@ -51,7 +51,7 @@ pub(crate) fn shaped(
 }
 
 /// A straight line with this outline.
-pub(crate) fn line(outline: PhaseOutline) -> PhaseCurve {
+pub(crate) fn line(outline: Phase) -> PhaseCurve {
     let (from_mps, to_mps) = (outline.start_speed_mps, outline.end_speed_mps);
     shaped(from_mps, to_mps, outline.samples, |s| s)
 }

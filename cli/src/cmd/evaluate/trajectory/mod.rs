@@ -13,12 +13,12 @@ use driver_eval::speed_ahead::{
     TrajectoryData, TrajectoryEvaluation, TrajectorySettings, evaluate_trajectory,
 };
 use driver_eval::trip_driver::FreeRunSettings;
-use driver_model::LeftOut;
-use driver_model::speed_ahead::{DirectKind, DirectSettings, Trial};
+use driver_model::speed_ahead::{DirectSettings, Trial};
+use driver_model::{LeftOut, ModelKind, Subject};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
-use super::{EvaluateArgs, EvaluatedModel};
+use super::EvaluateArgs;
 use crate::cmd::left_out;
 use crate::cmd::motions::{mention_finer_grids, motions};
 use crate::exit::Outcome;
@@ -128,9 +128,7 @@ impl EvaluateArgs {
     /// Of the models that are evaluated, baselines and trials.
     pub(super) fn direct_names(&self) -> anyhow::Result<Vec<String>> {
         let models = self.trajectory_settings()?.models.into_iter();
-        let baselines = DirectKind::ALL
-            .into_iter()
-            .filter(|kind| kind.is_baseline());
+        let baselines = ModelKind::of(Subject::SpeedAhead).filter(|kind| kind.is_baseline());
         let kinds = models.chain(baselines).map(|kind| kind.name().to_owned());
         let trials = Trial::ALL.map(|trial| format!("trial-{}", trial.number()));
         Ok(kinds.chain(trials).collect())
@@ -149,17 +147,14 @@ impl EvaluateArgs {
         };
         settings.trials.max_samples = self.trajectory.max_samples;
         if !self.models.is_empty() {
-            let named: anyhow::Result<Vec<DirectKind>> = self
+            if let Some(kind) = self
                 .models
                 .iter()
-                .map(|model| match model {
-                    EvaluatedModel::Direct(kind) => Ok(*kind),
-                    EvaluatedModel::Phase(kind) => {
-                        bail!("`{kind}` is a model of phases; leave out --task trajectory")
-                    }
-                })
-                .collect();
-            settings.models = named?;
+                .find(|kind| kind.subject() == Subject::Phases)
+            {
+                bail!("`{kind}` is a model of phases; leave out --task trajectory");
+            }
+            settings.models = self.models.clone();
         }
         Ok(settings)
     }

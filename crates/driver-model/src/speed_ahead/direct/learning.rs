@@ -2,10 +2,9 @@ use rayon::prelude::*;
 use svr::{Response, Samples};
 
 use super::{DirectModel, DirectSettings, Horizon, origins};
-use crate::speed_ahead::DirectKind;
 use crate::speed_ahead::boosted_trees::BoostedTrees;
 use crate::speed_ahead::predictors::{Predictor, predictors, rows};
-use crate::{Error, Motion};
+use crate::{Error, ModelKind, Motion, Subject};
 
 /// Fewer samples teach nothing.
 const LEAST_SAMPLES: usize = 50;
@@ -16,12 +15,16 @@ impl DirectModel {
     ///
     /// # Errors
     /// [`Error::TooFewMoments`] where there is not enough to learn from, [`Error::Option`] for settings out of range,
-    /// [`Error::Steps`] for drives of different sampling intervals, and what the regressions refuse.
+    /// [`Error::Steps`] for drives of different sampling intervals, [`Error::Subject`] for a model of anything else, and what the
+    /// regressions refuse.
     pub fn fit(
-        kind: DirectKind,
+        kind: ModelKind,
         motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
+        if kind.subject() != Subject::SpeedAhead {
+            return Err(kind.is_not_of(Subject::SpeedAhead));
+        }
         settings.check()?;
         let mut model = Self::fit_points(kind, motions, settings)?;
         if kind.is_fitted() {
@@ -43,7 +46,7 @@ impl DirectModel {
     }
 
     fn fit_points(
-        kind: DirectKind,
+        kind: ModelKind,
         motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {

@@ -9,11 +9,10 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use svr::{Samples, Status};
 
-use super::DirectKind;
 use super::boosted_trees::BoostedTrees;
 use super::predictors::{Predictor, rows};
 use crate::statistics::mean;
-use crate::{Error, Motion};
+use crate::{Error, ModelKind, Motion, Subject};
 pub use settings::DirectSettings;
 
 /// History that an origin must have behind it.
@@ -23,7 +22,7 @@ pub(super) const LEAST_PAST_S: f64 = 5.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawModel")]
 pub struct DirectModel {
-    kind: DirectKind,
+    kind: ModelKind,
     step_s: f64,
     samples: usize,
     predictors: Vec<Predictor>,
@@ -51,7 +50,7 @@ type Solved = (Regression, Option<Status>);
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawModel {
-    kind: DirectKind,
+    kind: ModelKind,
     step_s: f64,
     samples: usize,
     predictors: Vec<Predictor>,
@@ -110,7 +109,7 @@ pub struct HorizonScore {
 impl DirectModel {
     /// Which model.
     #[must_use]
-    pub fn kind(&self) -> DirectKind {
+    pub fn kind(&self) -> ModelKind {
         self.kind
     }
 
@@ -253,6 +252,9 @@ impl DirectModel {
     }
 
     fn check(&self) -> Result<(), &'static str> {
+        if self.kind.subject() != Subject::SpeedAhead {
+            return Err("it is none of the speed ahead");
+        }
         let d = self.predictors.len();
         let positive = |x: f64| x.is_finite() && x > 0.0;
         if !positive(self.step_s) || !self.horizons.iter().all(|h| positive(h.horizon_s)) {

@@ -1,8 +1,8 @@
 use svr::{Kernel, Penalty, Response, Samples, Settings};
 
 use super::Solved;
-use crate::Error;
-use crate::speed_ahead::{DirectKind, FIT_MEMORY_BYTES};
+use crate::speed_ahead::FIT_MEMORY_BYTES;
+use crate::{Error, ModelKind};
 
 /// `λ` of ridge regression, `C = 1/λ`.
 const RIDGE_BOX_CONSTRAINT: f64 = 0.1;
@@ -16,7 +16,7 @@ const RBF_SCALE: f64 = 1.7;
 const BOX_CONSTRAINT_FACTOR: f64 = 10.0;
 const TUBE_FACTOR: f64 = 8.0;
 
-impl DirectKind {
+impl ModelKind {
     pub(super) fn regressions(
         self,
         samples: &Samples<'_>,

@@ -3,7 +3,7 @@
 use drive_log::Channel;
 
 use super::*;
-use crate::Motion;
+use crate::{ModelKind, Motion, Subject};
 
 /// Speeds that swing by a sum of two sines: what comes next follows from the past.
 fn motion(phase: f64) -> Motion {
@@ -26,11 +26,11 @@ fn settings() -> DirectSettings {
 fn what_follows_from_the_past_is_predicted_and_files_keep_it() {
     let motions: Vec<Motion> = (0..6).map(|k| motion(40.0 * f64::from(k))).collect();
     let (train, test) = (motions[..5].iter().collect::<Vec<_>>(), &motions[5]);
-    for kind in DirectKind::ALL.into_iter().filter(|kind| kind.is_fitted()) {
+    for kind in ModelKind::of(Subject::SpeedAhead).filter(|kind| kind.is_fitted()) {
         let model = DirectModel::fit(kind, &train, &settings()).unwrap();
         let origins = model.origins(test, 1.0);
         let error = |model: &DirectModel| model.score(test, &origins).unwrap()[1].rmse_mps.unwrap();
-        let stays = DirectModel::fit(DirectKind::Persistence, &train, &settings()).unwrap();
+        let stays = DirectModel::fit(ModelKind::Persistence, &train, &settings()).unwrap();
         assert!(
             error(&model) < 0.8 * error(&stays),
             "{kind}: {}",
@@ -62,11 +62,11 @@ fn baselines_are_what_they_say_and_never_negative() {
     let motion = Motion::of_channels("slower", 0.2, [(Channel::Speed, speed_mps.collect())]);
     let model = |kind| DirectModel::fit(kind, &[&motion], &settings()).unwrap();
     let ahead = |kind| model(kind).predict(&motion, &[500, 995]).unwrap();
-    assert!((ahead(DirectKind::Persistence)[0].speed_mps[1] - 5.0).abs() < 1e-9);
-    assert!((ahead(DirectKind::ConstantAcceleration)[0].speed_mps[1] - 4.85).abs() < 1e-9);
-    assert!(ahead(DirectKind::ConstantAcceleration)[1].speed_mps[1].abs() < 1e-12);
+    assert!((ahead(ModelKind::Persistence)[0].speed_mps[1] - 5.0).abs() < 1e-9);
+    assert!((ahead(ModelKind::ConstantAcceleration)[0].speed_mps[1] - 4.85).abs() < 1e-9);
+    assert!(ahead(ModelKind::ConstantAcceleration)[1].speed_mps[1].abs() < 1e-12);
     let decayed = 5.0 - 0.05 * 2.0 * (1.0 - (-1.5_f64).exp());
-    assert!((ahead(DirectKind::DecayingAcceleration)[0].speed_mps[1] - decayed).abs() < 1e-9);
+    assert!((ahead(ModelKind::DecayingAcceleration)[0].speed_mps[1] - decayed).abs() < 1e-9);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_drive_of_another_step_or_without_limits_is_refused() {
         ];
         Motion::of_channels("with limits", step_s, channels)
     };
-    let model = DirectModel::fit(DirectKind::Ridge, &[&with_limits(0.2)], &settings()).unwrap();
+    let model = DirectModel::fit(ModelKind::Ridge, &[&with_limits(0.2)], &settings()).unwrap();
     assert!(matches!(
         model.predict(&with_limits(1.0), &[10]),
         Err(Error::Steps { .. })
@@ -89,7 +89,7 @@ fn a_drive_of_another_step_or_without_limits_is_refused() {
         Err(Error::NoLimits { .. })
     ));
     let short = Motion::of_channels("short", 0.2, [(Channel::Speed, vec![1.0; 30])]);
-    let too_few = DirectModel::fit(DirectKind::Ridge, &[&short], &settings());
+    let too_few = DirectModel::fit(ModelKind::Ridge, &[&short], &settings());
     assert!(matches!(too_few, Err(Error::TooFewMoments { .. })));
 }
 
@@ -102,7 +102,7 @@ fn small_file() -> (String, Motion) {
         ..DirectSettings::default()
     };
     let train: Vec<&Motion> = motions.iter().collect();
-    let model = DirectModel::fit(DirectKind::Blend, &train, &settings).unwrap();
+    let model = DirectModel::fit(ModelKind::Blend, &train, &settings).unwrap();
     (serde_json::to_string(&model).unwrap(), motion(7.0))
 }
 

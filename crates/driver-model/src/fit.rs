@@ -1,0 +1,216 @@
+//! One way to fit any model.
+
+use rayon::prelude::*;
+
+use crate::cruise::CruiseModel;
+use crate::following::FollowingModel;
+use crate::speed_ahead::{DirectModel, DirectSettings};
+use crate::trip_driver::TripDriver;
+use crate::{
+    DriverModel, Error, LeftOut, ModelKind, Motion, PhaseKind, PhaseModel, PhaseSettings, PointsOf,
+    Subject, TrainingSet, Trip, motion,
+};
+
+/// Drives of other drivers, from which models of phases learn as well.
+#[derive(Debug, Clone, Copy)]
+pub struct Prior<'a> {
+    /// The drives.
+    pub motions: &'a [Motion],
+    /// Weight of each of their phases beside 1 for an own one; 0 is the own data alone.
+    pub weight: f64,
+}
+
+/// How models are fitted.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FitSettings {
+    /// Which phases and stretches count.
+    pub phases: PhaseSettings,
+    /// Whether a model of phases is one of acceleration or of braking.
+    pub manoeuvre: Manoeuvre,
+    /// What a function of speed is fitted to.
+    pub points_of: PointsOf,
+    /// Of a model of the next seconds.
+    pub speed_ahead: DirectSettings,
+}
+
+/// What a model of phases is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Manoeuvre {
+    /// Speeding up.
+    #[default]
+    Acceleration,
+    /// Slowing down.
+    Braking,
+}
+
+impl From<Manoeuvre> for PhaseKind {
+    fn from(manoeuvre: Manoeuvre) -> Self {
+        match manoeuvre {
+            Manoeuvre::Acceleration => Self::Acceleration,
+            Manoeuvre::Braking => Self::Braking,
+        }
+    }
+}
+
+/// A fitted model with what it was fitted to.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Fitted {
+    /// The model.
+    pub model: DriverModel,
+    /// Phases, stretches or drives, those of other drivers included.
+    pub phases: usize,
+    /// Segments, samples or moments; 0 for stretches and whole trips.
+    pub points: usize,
+    /// In (m/s²)², of functions of speed.
+    pub residual_sum_of_squares: Option<f64>,
+    /// Drives that it could learn nothing from, with the reason.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Fits a model of any kind to drives, of accelerations where it is one of phases.
+///
+/// # Errors
+/// As [`fit_with`].
+pub fn fit(
+    kind: ModelKind,
+    motions: &[Motion],
+    prior: Option<Prior<'_>>,
+) -> Result<DriverModel, Error> {
+    Ok(fit_with(kind, motions, prior, &FitSettings::default(), &|| {})?.model)
+}
+
+/// Fits a model of any kind to drives. Phases of drives are found in parallel on the current rayon pool; `progress` is called after each
+/// drive in which they were.
+///
+/// # Errors
+/// [`Error::TooFewPhases`], [`Error::TooFewStretches`], [`Error::TooFewMoments`] and [`Error::NothingUsable`] where there is too little to
+/// learn from, [`Error::NoPrior`] for a prior where the model is none of phases, [`Error::Fit`] where an optimiser stops without a result,
+/// and whatever finding phases refuses.
+pub fn fit_with(
+    kind: ModelKind,
+    motions: &[Motion],
+    prior: Option<Prior<'_>>,
+    settings: &FitSettings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Fitted, Error> {
+    if prior.is_some() && kind.subject() != Subject::Phases {
+        return Err(Error::NoPrior { model: kind });
+    }
+    let trips = || find_trips(motions, &settings.phases, progress);
+    match kind.subject() {
+        Subject::Phases => fit_phases(kind, &trips()?, prior, settings, progress),
+        Subject::Cruise => fit_cruise(&trips()?),
+        Subject::Following => fit_following(kind, &trips()?),
+        Subject::SpeedAhead => fit_speed_ahead(kind, motions, &settings.speed_ahead),
+        Subject::Trips => fit_trip_driver(motions),
+    }
+}
+
+/// Finds what counts in every drive, in parallel on the current rayon pool; `progress` is called after each.
+///
+/// # Errors
+/// As [`Trip::of_drive`].
+pub fn find_trips(
+    motions: &[Motion],
+    settings: &PhaseSettings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<Trip>, Error> {
+    let drives: Vec<&[Motion]> = motion::drives(motions).collect();
+    let find = |drive: &[Motion]| {
+        let trip = Trip::of_drive(drive, settings);
+        progress();
+        trip
+    };
+    drives.into_par_iter().map(find).collect()
+}
+
+fn fit_phases(
+    kind: ModelKind,
+    own: &[Trip],
+    prior: Option<Prior<'_>>,
+    settings: &FitSettings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Fitted, Error> {
+    let others = prior.map_or_else(
+        || Ok(Vec::new()),
+        |prior| find_trips(prior.motions, &settings.phases, progress),
+    )?;
+    let phase_kind = PhaseKind::from(settings.manoeuvre);
+    let weight = prior.map_or(0.0, |prior| prior.weight);
+    let training = TrainingSet::with_points(settings.points_of, phase_kind, own)
+        .with_prior(phase_kind, &others, weight);
+    let model = PhaseModel::fit(kind, &training)?;
+    let counts = |trip: &Trip| trip.phases_of(phase_kind).next().is_some();
+    Ok(Fitted {
+        phases: training.phases.len(),
+        points: training.points.len(),
+        residual_sum_of_squares: model.residual_sum_of_squares(&training.points),
+        left_out: without(
+            own,
+            counts,
+            &format!("no {} phase that counts", phase_kind.name()),
+        ),
+        model: match settings.manoeuvre {
+            Manoeuvre::Acceleration => DriverModel::Acceleration(model),
+            Manoeuvre::Braking => DriverModel::Braking(model),
+        },
+    })
+}
+
+fn fit_cruise(trips: &[Trip]) -> Result<Fitted, Error> {
+    let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.cruise).collect();
+    let counts = |trip: &Trip| !trip.cruise.is_empty();
+    Ok(Fitted {
+        model: DriverModel::Cruise(CruiseModel::fit(&stretches)?),
+        phases: stretches.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+        left_out: without(trips, counts, "no stretch of cruising that counts"),
+    })
+}
+
+fn fit_following(kind: ModelKind, trips: &[Trip]) -> Result<Fitted, Error> {
+    let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.following).collect();
+    let counts = |trip: &Trip| !trip.following.is_empty();
+    Ok(Fitted {
+        model: DriverModel::Following(FollowingModel::fit(kind, &stretches)?.model),
+        phases: stretches.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+        left_out: without(trips, counts, "no stretch behind a vehicle that counts"),
+    })
+}
+
+fn fit_speed_ahead(
+    kind: ModelKind,
+    motions: &[Motion],
+    settings: &DirectSettings,
+) -> Result<Fitted, Error> {
+    let (usable, left_out) = settings.usable(motions.to_vec())?;
+    let model = DirectModel::fit(kind, &usable.iter().collect::<Vec<_>>(), settings)?;
+    Ok(Fitted {
+        phases: usable.len(),
+        points: model.samples(),
+        model: DriverModel::SpeedAhead(model),
+        residual_sum_of_squares: None,
+        left_out,
+    })
+}
+
+fn fit_trip_driver(motions: &[Motion]) -> Result<Fitted, Error> {
+    let (driver, left_out) = TripDriver::fit_usable(&motions.iter().collect::<Vec<_>>())?;
+    Ok(Fitted {
+        model: DriverModel::Trip(driver),
+        phases: motions.len() - left_out.len(),
+        points: 0,
+        residual_sum_of_squares: None,
+        left_out,
+    })
+}
+
+/// The drives of which nothing counts, with the reason.
+fn without(trips: &[Trip], counts: impl Fn(&Trip) -> bool, reason: &str) -> Vec<LeftOut> {
+    let empty = trips.iter().filter(|trip| !counts(trip));
+    empty.map(|trip| LeftOut::new(&trip.name, reason)).collect()
+}
