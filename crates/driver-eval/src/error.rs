@@ -12,6 +12,45 @@ pub enum Error {
         /// How many there must be.
         needed: usize,
     },
+    /// There is too little for every part of an evaluation.
+    #[error("nothing to evaluate{parts}{contents}")]
+    Nothing {
+        /// Every part with the reason, a line each.
+        parts: String,
+        /// What every drive has, a line each.
+        contents: String,
+    },
+    /// All drives that can be used are of one unit.
+    #[error(
+        "one drive, file or driver, `{unit}`, is all that can be used, and nothing is left when it is held out; add logs{left_out}"
+    )]
+    OneUnit {
+        /// Its name.
+        unit: String,
+        /// Drives that cannot be used, a line each.
+        left_out: String,
+    },
+    /// All drives are of one driver.
+    #[error(
+        "all logs are of one driver, by {taken_from}; keep each driver's logs in a folder of its own"
+    )]
+    OneDriver {
+        /// What was taken for a driver, in words.
+        taken_from: String,
+    },
+    /// A drive does not say who drove it.
+    #[error(
+        "{drive}: no column `{column}` that names a driver; there are: {}",
+        if .known.is_empty() { "none".to_owned() } else { .known.join(", ") }
+    )]
+    NoDriver {
+        /// The drive.
+        drive: String,
+        /// The column that was asked for.
+        column: String,
+        /// The columns that say anything of the whole drive.
+        known: Vec<String>,
+    },
     /// From a driver model.
     #[error(transparent)]
     Model(#[from] driver_model::Error),

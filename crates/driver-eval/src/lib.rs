@@ -31,14 +31,19 @@
 //!
 //! - W. G. Cochran: Sampling Techniques. Wiley, 1977 (the ratio of sums over units and its interval).
 
+pub mod behaviour;
 pub mod cruise;
 mod error;
 pub mod following;
 mod hold_out;
 pub mod phase;
+pub mod portrait;
 mod ratio_interval;
 pub mod speed_ahead;
+pub mod trajectory;
 pub mod trip_driver;
+pub mod units;
+pub mod words;
 
 pub use error::Error;
 pub use hold_out::{HoldOut, Split};

@@ -170,7 +170,8 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    pub(crate) fn new(log: &str, reason: impl Into<String>) -> Self {
+    /// With the reason in words.
+    pub fn new(log: &str, reason: impl Into<String>) -> Self {
         Self {
             log: log.to_owned(),
             reason: reason.into(),

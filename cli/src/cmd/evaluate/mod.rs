@@ -1,24 +1,18 @@
 //! The main job: how well models predict drives that they have not seen.
 
-mod document;
 mod hold_out;
-mod missing;
 mod text;
 mod trajectory;
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use driver_eval::cruise::{CruiseEvaluation, evaluate_cruise};
-use driver_eval::following::{FollowingEvaluation, evaluate_following};
-use driver_eval::phase::{
-    Evaluation, EvaluationData, EvaluationSettings, LearningPoint, learning_curve, leave_one_out,
+use driver_eval::behaviour::{
+    BehaviourDocument, BehaviourEvaluation, BehaviourSettings, evaluate_behaviour, with_curves,
 };
-use driver_model::following::FollowingStretch;
-use driver_model::phase_model::TransitionPoint;
-use driver_model::{
-    Error, FunctionFit, LeftOut, ModelKind, PhaseKind, Subject, TrainingSet, Trip, function_fits,
-};
+use driver_eval::phase::{EvaluationData, EvaluationSettings};
+use driver_eval::units::Units;
+use driver_model::{ModelKind, Subject};
 use serde::Serialize;
 
 use super::left_out;
@@ -34,8 +28,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::require::{Figures, RequireArgs};
-use hold_out::{HoldOutArgs, Units};
-use missing::Missing;
+use hold_out::HoldOutArgs;
 use trajectory::TrajectoryArgs;
 
 /// Leave-one-out over models and baselines: the main job
@@ -104,26 +97,6 @@ enum Task {
     Trajectory,
 }
 
-/// Everything that was found out.
-struct Findings {
-    /// `None` where no drive has an acceleration phase that counts.
-    acceleration: Option<Evaluation>,
-    /// `None` where no drive has a braking phase that counts.
-    braking: Option<Evaluation>,
-    fits: [(PhaseKind, Vec<FunctionFit>); 2],
-    learning: Vec<LearningPoint>,
-    /// `None` where less than two units cruise.
-    cruise: Option<CruiseEvaluation>,
-    /// The transition-point model of all acceleration phases; `None` where none can be identified.
-    systems: Option<TransitionPoint>,
-    /// With the stretches; `None` where less than two units follow a vehicle.
-    following: Option<(FollowingEvaluation, Vec<FollowingStretch>)>,
-    /// What of it there is too little for.
-    missing: Missing,
-    /// Drives that have nothing to evaluate.
-    left_out: Vec<LeftOut>,
-}
-
 pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require.check(&args.figures()?)?;
     let vehicle = args.vehicle.read()?;
@@ -177,35 +150,26 @@ impl EvaluateArgs {
         let units = args.hold_out.units(inputs, context)?;
         let trips = args.phases.trips(inputs, context)?;
         let prior = args.phases.trips(prior_inputs, context)?;
-        let mut findings = args.evaluate(&units, &trips, &prior, vehicle, context)?;
+        let data = EvaluationData::by_unit(&trips, &units.of_drives).with_prior(&prior);
+        let progress = Progress::new(context, "evaluating", 2 * trips.len());
+        let finished = || progress.step();
+        let mut findings = evaluate_behaviour(&data, vehicle, &args.settings(), &finished)?;
+        drop(progress);
         if context.no_times {
-            findings.forget_times();
+            findings = findings.without_times();
         }
-        findings.missing.mention(context);
-        left_out::mention(&findings.left_out, context);
-        for evaluation in [&findings.acceleration, &findings.braking]
-            .into_iter()
-            .flatten()
-        {
-            for (model, reason) in &evaluation.left_out {
-                let kind = evaluation.kind.name();
-                output::note(
-                    context,
-                    &format!("`{model}` is left out for {kind}: {reason}"),
-                );
-            }
-        }
+        mention_missing(&findings, context);
 
         let mut document = Document::new(
             "evaluate",
             args,
             inputs,
-            document::Body::new(args, &units, &findings),
+            BehaviourDocument::new(&units, &findings, args.vehicle.by_default()),
         )
         .beside(prior_inputs);
         let outcome = document.judged(&args.require)?;
         if let Some(path) = &args.report {
-            let page = report::EVALUATION.filled(&document::with_curves(
+            let page = report::EVALUATION.filled(&with_curves(
                 serde_json::to_value(&document)?,
                 &findings,
                 &trips,
@@ -215,7 +179,9 @@ impl EvaluateArgs {
         }
         match context.format {
             Format::Json => output::print_json(&document)?,
-            Format::Text => output::print_text(&text::render(args, &trips, &findings))?,
+            Format::Text => {
+                output::print_text(&text::render(&args.heading(&units), &trips, &findings))?
+            }
         }
         Ok(outcome)
     }
@@ -227,11 +193,14 @@ impl EvaluateArgs {
         })
     }
 
-    fn settings(&self) -> EvaluationSettings {
-        EvaluationSettings {
-            models: self.phase_models(),
-            band_mps: self.band_kmh() / 3.6,
-            prior_weight: self.prior.weight(),
+    fn settings(&self) -> BehaviourSettings {
+        BehaviourSettings {
+            phase: EvaluationSettings {
+                models: self.phase_models(),
+                band_mps: self.band_kmh() / 3.6,
+                prior_weight: self.prior.weight(),
+            },
+            learning_curve: self.learning_curve,
         }
     }
 
@@ -245,72 +214,30 @@ impl EvaluateArgs {
         }
     }
 
-    fn evaluate(
-        &self,
-        units: &Units,
-        trips: &[Trip],
-        prior: &[Trip],
-        vehicle: &ev_energy::Vehicle,
-        context: &Context,
-    ) -> anyhow::Result<Findings> {
-        let settings = self.settings();
-        let data = EvaluationData::by_unit(trips, &units.of_drives).with_prior(prior);
-        let progress = Progress::new(context, "evaluating", 2 * trips.len());
-        let evaluate = |kind| leave_one_out(kind, &data, vehicle, &settings, &|| progress.step());
-        let mut missing = Missing::default();
-        let acceleration =
-            missing.unless_enough("acceleration", || evaluate(PhaseKind::Acceleration))?;
-        let braking = missing.unless_enough("braking", || evaluate(PhaseKind::Braking))?;
-        drop(progress);
-        let (cruising, by_unit) = data.stretches(|trip| &trip.cruise);
-        let cruise = missing.unless_enough("cruise", || evaluate_cruise(&cruising, &by_unit))?;
-        let (behind, by_unit) = data.stretches(|trip| &trip.following);
-        let following =
-            missing.unless_enough("following", || evaluate_following(&behind, &by_unit))?;
-        if missing.is_everything() {
-            return Err(missing.into_error(trips));
-        }
-        Ok(Findings {
-            learning: if self.learning_curve && acceleration.is_some() {
-                learning_curve(PhaseKind::Acceleration, &data, &settings)?
-            } else {
-                Vec::new()
-            },
-            acceleration,
-            braking,
-            following: following.map(|evaluation| (evaluation, behind)),
-            cruise,
-            systems: systems(trips)?,
-            fits: [PhaseKind::Acceleration, PhaseKind::Braking]
-                .map(|kind| (kind, function_fits(kind, trips))),
-            missing,
-            left_out: missing::without_anything(trips),
-        })
-    }
-}
-
-impl Findings {
-    /// Of fitting and predicting, which differ from run to run.
-    fn forget_times(&mut self) {
-        let kinds = [self.acceleration.as_mut(), self.braking.as_mut()];
-        for summary in kinds
-            .into_iter()
-            .flatten()
-            .flat_map(|kind| &mut kind.summaries)
-        {
-            (summary.fit_seconds, summary.predict_seconds) = (f64::NAN, f64::NAN);
-        }
-        let following = self.following.iter_mut();
-        for fold in following.flat_map(|(following, _)| &mut following.folds) {
-            (fold.fit_seconds.idm, fold.fit_seconds.constant_time_gap) = (f64::NAN, f64::NAN);
+    fn heading(&self, units: &Units) -> text::Heading {
+        text::Heading {
+            unit: units.kind.name(),
+            min_duration_s: self.phases.min_duration,
+            min_gain_kmh: self.phases.min_gain,
+            band_kmh: self.band_kmh(),
+            vehicle: self.vehicle.words(),
         }
     }
 }
 
-fn systems(trips: &[Trip]) -> anyhow::Result<Option<TransitionPoint>> {
-    let training = TrainingSet::from_trips(PhaseKind::Acceleration, trips);
-    match TransitionPoint::fit(&training) {
-        Err(Error::TooFewPhases { .. } | Error::Fit { .. }) => Ok(None),
-        model => Ok(Some(model?)),
+/// Says what there is too little of.
+fn mention_missing(findings: &BehaviourEvaluation, context: &Context) {
+    for (part, reason) in &findings.missing {
+        output::note(context, &format!("no figures of {part}: {reason}"));
+    }
+    left_out::mention(&findings.left_out, context);
+    for evaluation in findings.phases() {
+        for (model, reason) in &evaluation.left_out {
+            let kind = evaluation.kind.name();
+            output::note(
+                context,
+                &format!("`{model}` is left out for {kind}: {reason}"),
+            );
+        }
     }
 }

@@ -2,23 +2,33 @@
 
 use std::fmt::Write as _;
 
+use driver_eval::behaviour::BehaviourEvaluation;
 use driver_eval::cruise::CruiseEvaluation;
 use driver_eval::following::{FollowingEvaluation, FollowingFold, FollowingSummary};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
 use driver_model::{ModelKind, PhaseKind, Trip};
 
-use super::{EvaluateArgs, Findings};
 use crate::render::table::{Table, number};
 use crate::words::plural;
 
-pub(super) fn render(args: &EvaluateArgs, trips: &[Trip], findings: &Findings) -> String {
+/// What was asked for, as the headings of tables say it.
+pub(super) struct Heading {
+    pub(super) unit: &'static str,
+    pub(super) min_duration_s: f64,
+    pub(super) min_gain_kmh: f64,
+    /// Full width.
+    pub(super) band_kmh: f64,
+    /// In words.
+    pub(super) vehicle: String,
+}
+
+pub(super) fn render(heading: &Heading, trips: &[Trip], findings: &BehaviourEvaluation) -> String {
     let mut text = String::new();
-    let kinds = [&findings.acceleration, &findings.braking];
-    for evaluation in kinds.into_iter().flatten() {
+    for evaluation in findings.phases() {
         if !text.is_empty() {
             text.push('\n');
         }
-        text.push_str(&models(args, trips, evaluation));
+        text.push_str(&models(heading, trips, evaluation));
         text.push_str(&paired(evaluation));
         text.push_str(&bands(evaluation));
     }
@@ -28,13 +38,15 @@ pub(super) fn render(args: &EvaluateArgs, trips: &[Trip], findings: &Findings) -
     if let Some((evaluation, _)) = &findings.following {
         text.push_str(&following(evaluation));
     }
-    if !findings.learning.is_empty() {
-        text.push_str(&learning(&findings.learning));
+    if let Some(points) = &findings.learning
+        && !points.is_empty()
+    {
+        text.push_str(&learning(points));
     }
     text
 }
 
-fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> String {
+fn models(heading: &Heading, trips: &[Trip], evaluation: &Evaluation) -> String {
     let influenced: usize = trips
         .iter()
         .map(|t| match evaluation.kind {
@@ -42,7 +54,7 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
             _ => t.lead_influenced.acceleration,
         })
         .sum();
-    let held_out = args.hold_out.hold_out.name();
+    let held_out = heading.unit;
     let mut text = format!(
         "{}, {} of at least {} s and {} km/h, leave one {held_out} out",
         plural(trips.len(), "drive"),
@@ -50,8 +62,8 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
             evaluation.phases.len(),
             &format!("{} phase", evaluation.kind.name())
         ),
-        args.phases.min_duration,
-        args.phases.min_gain,
+        heading.min_duration_s,
+        heading.min_gain_kmh,
     );
     if influenced > 0 {
         let _ = write!(
@@ -60,11 +72,11 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
         );
     }
     text.push_str("\n\n");
-    text.push_str(&model_table(args, evaluation).render());
+    text.push_str(&model_table(heading, evaluation).render());
     let _ = writeln!(
         text,
         "\nΔE: measured minus predicted battery energy per phase ({}); end: predicted minus measured final speed.",
-        args.vehicle.words()
+        heading.vehicle
     );
     for (kind, summary) in evaluation.models.iter().zip(&evaluation.summaries) {
         if summary.fallback_phases > 0 {
@@ -78,8 +90,8 @@ fn models(args: &EvaluateArgs, trips: &[Trip], evaluation: &Evaluation) -> Strin
     text
 }
 
-fn model_table(args: &EvaluateArgs, evaluation: &Evaluation) -> Table {
-    let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
+fn model_table(heading: &Heading, evaluation: &Evaluation) -> Table {
+    let band = format!("in ±{} km/h %", number(0.5 * heading.band_kmh, 1));
     let mut table = Table::new([
         "model",
         "knows",

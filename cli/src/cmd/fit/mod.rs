@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use driver_eval::behaviour::contents_of;
 use driver_model::speed_ahead::DirectSettings;
 use driver_model::{
     DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, ModelKind, PointsOf,
@@ -150,7 +151,7 @@ impl FitArgs {
         fit_with(self.model, &motions, prior, &settings, &finished).map_err(|error| match error {
             Error::TooFewPhases { .. } | Error::TooFewStretches { .. } => {
                 let trips = find_trips(&motions, &settings.phases, &|| {}).unwrap_or_default();
-                anyhow::anyhow!("{error}{}", left_out::contents_of(&trips))
+                anyhow::anyhow!("{error}{}", contents_of(&trips))
             }
             error => error.into(),
         })

@@ -1,10 +1,9 @@
 //! `drivekit portrait`: one page about a driver.
 
-mod words;
-
 use std::path::PathBuf;
 
 use clap::Args;
+use driver_eval::portrait::sentences;
 use driver_model::portrait::Portrait;
 use serde::Serialize;
 
@@ -79,7 +78,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         .transpose()?;
     let body = Body {
         default_vehicle: args.vehicle.by_default(),
-        sentences: words::sentences(&portrait, fleet.as_ref(), &args.vehicle.words()),
+        sentences: sentences(&portrait, fleet.as_ref(), &args.vehicle.words()),
         driver: portrait,
         fleet,
     };

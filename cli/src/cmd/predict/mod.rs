@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use driver_eval::behaviour::without;
 use driver_eval::phase::PhasePrediction;
 use driver_model::cruise::{CruiseModel, CruiseStretch};
 use driver_model::following::{FollowingErrors, FollowingModel, FollowingStretch};
@@ -83,14 +84,14 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
                 _ => PhaseKind::Acceleration,
             };
             let has_some = |trip: &Trip| trip.phases_of(kind).next().is_some();
-            left_out = left_out::without(&trips, has_some, "no phase that counts");
+            left_out = without(&trips, has_some, "no phase that counts");
             let entry = |trip| Entry::of_phases(trip, kind, model, args.band / 3.6);
             let logs: Vec<_> = trips.iter().map(entry).collect();
             (serde_json::to_value(&logs)?, phase_table(&logs))
         }
         DriverModel::Cruise(model) => {
             let has_some = |trip: &Trip| !trip.cruise.is_empty();
-            left_out = left_out::without(&trips, has_some, "no stretch of cruising that counts");
+            left_out = without(&trips, has_some, "no stretch of cruising that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_cruise(trip, model))
@@ -99,8 +100,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         }
         DriverModel::Following(model) => {
             let has_some = |trip: &Trip| !trip.following.is_empty();
-            left_out =
-                left_out::without(&trips, has_some, "no stretch behind a vehicle that counts");
+            left_out = without(&trips, has_some, "no stretch behind a vehicle that counts");
             let logs: Vec<_> = trips
                 .iter()
                 .map(|trip| Entry::of_following(trip, model))

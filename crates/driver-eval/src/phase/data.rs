@@ -39,6 +39,12 @@ impl<'a> EvaluationData<'a> {
         self
     }
 
+    /// The trips that are held out.
+    #[must_use]
+    pub fn trips(&self) -> &'a [Trip] {
+        self.trips
+    }
+
     /// Stretches of all trips, those of a unit together, and how they are held out.
     #[must_use]
     pub fn stretches<T: Clone>(&self, of: fn(&Trip) -> &[T]) -> (Vec<T>, HoldOut) {

@@ -1,20 +1,13 @@
 //! `evaluate --task trajectory`: the speed of the next seconds, and of whole trips from limits.
 
-mod document;
-mod free_run;
 mod text;
-
-use std::collections::BTreeMap;
 
 use anyhow::bail;
 use clap::Args;
-use drive_log::{Channel, DriveLog};
-use driver_eval::speed_ahead::{
-    TrajectoryData, TrajectoryEvaluation, TrajectorySettings, evaluate_trajectory,
-};
-use driver_eval::trip_driver::FreeRunSettings;
+use driver_eval::speed_ahead::TrajectorySettings;
+use driver_eval::trajectory::{Trajectories, TrajectoryDocument, TrajectoryTask, with_curves};
 use driver_model::speed_ahead::{DirectSettings, Trial};
-use driver_model::{LeftOut, ModelKind, Subject};
+use driver_model::{ModelKind, Subject};
 use ev_energy::Vehicle;
 use serde::Serialize;
 
@@ -23,12 +16,11 @@ use crate::cmd::left_out;
 use crate::cmd::motions::{mention_finer_grids, motions};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
-use crate::inputs::{Input, Inputs};
+use crate::inputs::Inputs;
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::words::plural;
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Trajectory")]
@@ -55,57 +47,30 @@ impl EvaluateArgs {
         vehicle: &Vehicle,
         context: &Context,
     ) -> anyhow::Result<Outcome> {
-        let mut settings = self.trajectory_settings()?;
+        let settings = self.trajectory_settings()?;
         let units = self.hold_out.units(inputs, context)?;
         mention_finer_grids(inputs, context);
         let motions = motions(inputs, self.phases.slope_bandwidth)?;
-        let (data, left_out) =
-            TrajectoryData::new(motions.clone(), &units.of_drives).usable(&settings.direct)?;
-        left_out::mention(&left_out, context);
-        settings.folds = folds(settings.folds, &data, &left_out, context)?;
-        let progress = Progress::new(context, "evaluating", settings.steps(&data));
-        let mut evaluation = evaluate_trajectory(&data, vehicle, &settings, &|| progress.step())?;
+        let asked = settings.folds;
+        let task = TrajectoryTask::new(motions, &units.of_drives, settings)?;
+        left_out::mention(task.left_out(), context);
+        if task.folds() < asked {
+            let folds = task.folds();
+            let note = format!("{folds} folds in place of {asked}: there are no more units");
+            output::note(context, &note);
+        }
+        let progress = Progress::new(context, "evaluating", task.steps());
+        let mut trajectories = task.evaluate(vehicle, &|| progress.step())?;
         drop(progress);
         if context.no_times {
-            forget_times(&mut evaluation);
+            trajectories = trajectories.without_times();
         }
-        for (model, reason) in &evaluation.left_out {
-            output::note(context, &format!("`{model}` is left out: {reason}"));
-        }
-        let mut not_evaluated = BTreeMap::new();
-        if !data.has_limits() {
-            not_evaluated.insert("trials", without_limits(inputs));
-        }
-        let free_run_settings = FreeRunSettings {
-            folds: Some(settings.folds),
-            ..FreeRunSettings::default()
-        };
-        let free_runs = free_run::evaluate(&motions, &units.of_drives, &free_run_settings, vehicle);
-        if let Err(reason) = &free_runs {
-            not_evaluated.insert("free_run", reason.to_string());
-        }
-        for (part, reason) in &not_evaluated {
-            output::note(context, &format!("no figures of {part}: {reason}"));
-        }
-        let free_runs = free_runs.ok();
-        let mut body =
-            document::Body::new(&data, &units, &settings, &evaluation, free_runs.as_ref());
-        body.default_vehicle = self.vehicle.by_default();
-        body.left_out_drives = &left_out;
-        body.not_evaluated = not_evaluated;
+        mention_missing(&trajectories, context);
+        let body = TrajectoryDocument::new(&units, &trajectories, self.vehicle.by_default());
         let mut document = Document::new("evaluate", self, inputs, body);
         let outcome = document.judged(&self.require)?;
         if let Some(path) = &self.report {
-            let curve = free_runs
-                .as_ref()
-                .map(|runs| free_run::curve(&motions, runs));
-            let curve = curve.transpose()?.flatten();
-            let shown = document::with_curves(
-                serde_json::to_value(&document)?,
-                &data,
-                &evaluation,
-                curve.as_ref(),
-            );
+            let shown = with_curves(serde_json::to_value(&document)?, &trajectories)?;
             let page = report::TRAJECTORY.filled(&shown);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
@@ -113,13 +78,7 @@ impl EvaluateArgs {
         match context.format {
             Format::Json => output::print_json(&document)?,
             Format::Text => {
-                output::print_text(&text::render(
-                    self,
-                    settings.folds,
-                    &data,
-                    &evaluation,
-                    free_runs.as_ref(),
-                ))?;
+                output::print_text(&text::render(&self.heading(&units), &trajectories))?;
             }
         }
         Ok(outcome)
@@ -160,60 +119,12 @@ impl EvaluateArgs {
     }
 }
 
-/// As many folds as asked for, or as there are units; one unit cannot be held out.
-fn folds(
-    asked: usize,
-    data: &TrajectoryData,
-    left_out: &[LeftOut],
-    context: &Context,
-) -> anyhow::Result<usize> {
-    let units = data.hold_out.units();
-    if units.len() < 2 {
-        let reasons = left_out
-            .iter()
-            .map(|left_out| format!("\n  left out, {}: {}", left_out.log, left_out.reason));
-        bail!(
-            "one drive, file or driver, `{}`, is all that can be used, and nothing is left when it is held out; add logs{}",
-            units.join(", "),
-            reasons.collect::<String>()
-        );
+/// Says what could not be fitted or evaluated.
+fn mention_missing(trajectories: &Trajectories, context: &Context) {
+    for (model, reason) in &trajectories.speed_ahead.left_out {
+        output::note(context, &format!("`{model}` is left out: {reason}"));
     }
-    if units.len() < asked {
-        output::note(
-            context,
-            &format!(
-                "{} folds in place of {asked}: there are no more units",
-                units.len()
-            ),
-        );
-    }
-    Ok(asked.min(units.len()))
-}
-
-/// Why the models do not know limits and the trials are left out.
-fn without_limits(inputs: &[Input]) -> String {
-    let pieces = || inputs.iter().flat_map(|input| &input.drive.pieces);
-    let known = |log: &&DriveLog| {
-        let limit_mps = log.channel(Channel::SpeedLimit);
-        limit_mps.is_some_and(|limit| limit.iter().any(|limit| limit.is_finite()))
-    };
-    match pieces().filter(known).count() {
-        0 => "no speed limits".to_owned(),
-        some => format!(
-            "speed limits in {some} of {}, less than half of the time or of one drive, so that no model is told of them; \
-             give those logs alone to use them",
-            plural(pieces().count(), "drive")
-        ),
-    }
-}
-
-/// Of fitting and predicting, which differ from run to run.
-fn forget_times(evaluation: &mut TrajectoryEvaluation) {
-    for row in &mut evaluation.rows {
-        (row.fit_seconds, row.predict_seconds) = (f64::NAN, f64::NAN);
-    }
-    let trials = evaluation.trials.iter_mut();
-    for fitted in trials.flat_map(|trial| &mut trial.fits) {
-        fitted.fit.seconds = f64::NAN;
+    for (part, reason) in &trajectories.not_evaluated {
+        output::note(context, &format!("no figures of {part}: {reason}"));
     }
 }

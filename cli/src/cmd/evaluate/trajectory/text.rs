@@ -2,37 +2,31 @@
 
 use std::fmt::Write as _;
 
-use driver_eval::speed_ahead::{HorizonRow, TrajectoryData, TrajectoryEvaluation, TrialResult};
-
+use driver_eval::speed_ahead::{HorizonRow, TrajectoryEvaluation, TrialResult};
+use driver_eval::trajectory::{FreeRuns, Trajectories};
 use driver_eval::trip_driver::{FreeRunEvaluation, PercentErrors};
 
-use super::EvaluateArgs;
-use super::free_run::FreeRuns;
+use crate::cmd::evaluate::text::Heading;
 use crate::render::table::{Table, number};
 use crate::words::plural;
 
-pub(super) fn render(
-    args: &EvaluateArgs,
-    folds: usize,
-    data: &TrajectoryData,
-    evaluation: &TrajectoryEvaluation,
-    free_runs: Option<&FreeRuns>,
-) -> String {
+pub(super) fn render(heading: &Heading, trajectories: &Trajectories) -> String {
+    let evaluation = &trajectories.speed_ahead;
     let mut text = format!(
         "{}, {}; every unit is held out once, in {} folds\n\n",
-        plural(data.motions.len(), "drive"),
+        plural(trajectories.data.motions.len(), "drive"),
         plural(
             evaluation.rows.first().map_or(0, |row| row.origins),
             "moment"
         ),
-        folds,
+        trajectories.folds,
     );
     text.push_str(&horizons(evaluation));
     text.push_str(&verdicts(evaluation));
     if !evaluation.trials.is_empty() {
-        text.push_str(&trials(args, evaluation));
+        text.push_str(&trials(heading, evaluation));
     }
-    if let Some(runs) = free_runs {
+    if let Some(runs) = &trajectories.free_runs {
         text.push_str(&free_run(runs));
     }
     text
@@ -120,12 +114,12 @@ fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
     text
 }
 
-fn trials(args: &EvaluateArgs, evaluation: &TrajectoryEvaluation) -> String {
+fn trials(heading: &Heading, evaluation: &TrajectoryEvaluation) -> String {
     let mut text = format!(
         "\nTrials of the thesis (Table 4.1): whole trips from their limits; energy of {}\n\n",
-        args.vehicle.words()
+        heading.vehicle
     );
-    let band = format!("in ±{} km/h %", number(0.5 * args.band_kmh(), 1));
+    let band = format!("in ±{} km/h %", number(0.5 * heading.band_kmh, 1));
     let mut table = Table::new([
         "trial",
         "E MJ",

@@ -1,19 +1,22 @@
 //! Whole trips from the road and the driver alone.
 
-use driver_eval::Error;
-use driver_eval::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
 use driver_model::Motion;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::FreeRun;
 use ev_energy::Vehicle;
 use serde_json::{Value, json};
 
+use super::rounded;
+use crate::Error;
+use crate::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
+
 /// The evaluation with what the road may know, the less first.
-pub(super) struct FreeRuns {
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeRuns {
     /// Stops, and slowdowns as the driver is expected to make.
-    pub(super) expected: FreeRunEvaluation,
+    pub expected: FreeRunEvaluation,
     /// Stops and slowdowns as they were on the trip: what a map could know at most.
-    pub(super) known: FreeRunEvaluation,
+    pub known: FreeRunEvaluation,
 }
 
 /// The reason in place of figures where too few drives know their limits or are long enough: it is no reason to lose the rest.
@@ -37,7 +40,7 @@ pub(super) fn evaluate(
 }
 
 /// The longest trip that was compared, measured and as the driver of its fold drives it, second by second.
-pub(super) fn curve(motions: &[Motion], runs: &FreeRuns) -> anyhow::Result<Option<Value>> {
+pub(super) fn curve(motions: &[Motion], runs: &FreeRuns) -> Result<Option<Value>, Error> {
     let trips = runs.expected.trips.iter();
     let Some(trip) = trips.max_by(|a, b| a.score.duration_s.total_cmp(&b.score.duration_s)) else {
         return Ok(None);
@@ -63,13 +66,11 @@ pub(super) fn curve(motions: &[Motion], runs: &FreeRuns) -> anyhow::Result<Optio
 fn measured(motion: &Motion, duration_s: f64) -> Value {
     let stride = motion.samples_in(1.0);
     let last = (duration_s / motion.step_s()) as usize;
-    let every = |values: &[f64]| {
-        super::document::rounded(values.iter().take(last + 1).step_by(stride).copied())
-    };
+    let every = |values: &[f64]| rounded(values.iter().take(last + 1).step_by(stride).copied());
     json!({ "speed_mps": every(motion.speed_mps()), "distance_m": every(motion.distance_m()) })
 }
 
 fn predicted(run: &FreeRun) -> Value {
-    let of = |values: &[f64]| super::document::rounded(values.iter().copied());
+    let of = |values: &[f64]| rounded(values.iter().copied());
     json!({ "speed_mps": of(&run.speed_mps), "distance_m": of(&run.position_m) })
 }

@@ -2,22 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use driver_eval::speed_ahead::{
-    HorizonFigures, HorizonRow, HorizonVerdict, TrajectoryData, TrajectoryEvaluation,
-    TrajectorySettings, TrialResult, TrialTrip, TripFigures, TripSummary,
-};
-use driver_eval::trip_driver::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip};
 use driver_model::LeftOut;
 use driver_model::speed_ahead::FittedTrial;
 use driver_model::trip_driver::TripDriver;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::free_run::FreeRuns;
-use crate::cmd::evaluate::hold_out::{Units, UnitsEntry};
+use super::free_run::{FreeRuns, curve};
+use super::{Trajectories, rounded};
+use crate::Error;
+use crate::speed_ahead::TrajectoryData;
+use crate::speed_ahead::{
+    HorizonFigures, HorizonRow, HorizonVerdict, TrialResult, TrialTrip, TripFigures, TripSummary,
+};
+use crate::trip_driver::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip};
+use crate::units::{Units, UnitsEntry};
 
-#[derive(Serialize)]
-pub(super) struct Body<'a> {
+/// What a document says of [`Trajectories`].
+#[derive(Debug, Serialize)]
+pub struct TrajectoryDocument<'a> {
     task: &'static str,
     drives: usize,
     units: &'a [String],
@@ -33,15 +36,15 @@ pub(super) struct Body<'a> {
     free_run: Option<FreeRun<'a>>,
     left_out: BTreeMap<&'a str, &'a str>,
     /// Drives that cannot be used, with the reason.
-    pub(super) left_out_drives: &'a [LeftOut],
+    left_out_drives: &'a [LeftOut],
     /// Parts without figures, with the reason.
-    pub(super) not_evaluated: BTreeMap<&'static str, String>,
+    not_evaluated: &'a BTreeMap<&'static str, String>,
     /// The vehicle, where none was named.
-    pub(super) default_vehicle: Option<&'static str>,
+    default_vehicle: Option<&'static str>,
 }
 
 /// Whole trips from the road, with what the road may know.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct FreeRun<'a> {
     /// Stops; slowdowns as expected of the driver.
     expected: FreeRunFigures<'a>,
@@ -51,7 +54,7 @@ struct FreeRun<'a> {
     left_out: BTreeMap<&'a str, &'a str>,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct FreeRunFigures<'a> {
     #[serde(flatten)]
     summary: FreeRunSummary,
@@ -77,7 +80,7 @@ impl<'a> FreeRun<'a> {
 }
 
 /// One model, its figures by seconds ahead.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Entry {
     rmse_mps: BTreeMap<String, f64>,
     skill_pct: BTreeMap<String, f64>,
@@ -88,7 +91,7 @@ struct Entry {
     unfinished: usize,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Trial<'a> {
     trial: usize,
     #[serde(flatten)]
@@ -97,7 +100,7 @@ struct Trial<'a> {
     by_trip: Vec<Trip<'a>>,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Fit {
     samples: usize,
     predictors: usize,
@@ -112,21 +115,28 @@ struct Fit {
     seconds: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Trip<'a> {
     drive: &'a str,
     #[serde(flatten)]
     figures: &'a TripFigures,
 }
 
-impl<'a> Body<'a> {
-    pub(super) fn new(
-        data: &'a TrajectoryData,
+impl<'a> TrajectoryDocument<'a> {
+    /// `default_vehicle` is the vehicle where none was named.
+    #[must_use]
+    pub fn new(
         units: &Units,
-        settings: &TrajectorySettings,
-        evaluation: &'a TrajectoryEvaluation,
-        free_runs: Option<&'a FreeRuns>,
+        trajectories: &'a Trajectories,
+        default_vehicle: Option<&'static str>,
     ) -> Self {
+        let Trajectories {
+            data,
+            speed_ahead: evaluation,
+            free_runs,
+            ..
+        } = trajectories;
+        let folds = trajectories.folds;
         let keys: Vec<String> = evaluation.horizons_s.iter().map(f64::to_string).collect();
         let by_horizon = |(k, key): (usize, &String)| {
             let rows = evaluation
@@ -143,7 +153,7 @@ impl<'a> Body<'a> {
             rows.map(|row| {
                 (
                     row.model.as_str(),
-                    Entry::new(row, &evaluation.rows[0], &keys, settings.folds),
+                    Entry::new(row, &evaluation.rows[0], &keys, folds),
                 )
             })
             .collect()
@@ -154,7 +164,7 @@ impl<'a> Body<'a> {
             units: data.hold_out.units(),
             held_out: units.entry(),
             origins: evaluation.rows.first().map_or(0, |row| row.origins),
-            band_kmh: settings.band_mps * 3.6,
+            band_kmh: trajectories.band_mps * 3.6,
             horizons: keys.iter().enumerate().map(by_horizon).collect(),
             models: entries(false),
             baselines: entries(true),
@@ -164,10 +174,10 @@ impl<'a> Body<'a> {
                 .iter()
                 .map(|trial| Trial::new(trial, data))
                 .collect(),
-            free_run: free_runs.map(FreeRun::new),
-            left_out_drives: &[],
-            not_evaluated: BTreeMap::new(),
-            default_vehicle: None,
+            free_run: free_runs.as_ref().map(FreeRun::new),
+            left_out_drives: &trajectories.left_out,
+            not_evaluated: &trajectories.not_evaluated,
+            default_vehicle,
             left_out: evaluation
                 .left_out
                 .iter()
@@ -233,14 +243,17 @@ impl Fit {
 }
 
 /// Adds what figures 4.4 to 4.11 draw: one drive that was learnt from, and the longest one as every trial predicts it.
-pub(super) fn with_curves(
-    mut document: Value,
-    data: &TrajectoryData,
-    evaluation: &TrajectoryEvaluation,
-    free_run: Option<&Value>,
-) -> Value {
+///
+/// # Errors
+/// What driving the longest trip's road refuses.
+pub fn with_curves(mut document: Value, trajectories: &Trajectories) -> Result<Value, Error> {
+    let (data, evaluation) = (&trajectories.data, &trajectories.speed_ahead);
+    let free_run = match &trajectories.free_runs {
+        Some(runs) => curve(&trajectories.motions, runs)?,
+        None => None,
+    };
     let Some(shown) = (0..data.motions.len()).max_by_key(|&i| data.motions[i].len()) else {
-        return document;
+        return Ok(document);
     };
     let motion = &data.motions[shown];
     let unit_of = data.hold_out.unit_of();
@@ -258,7 +271,7 @@ pub(super) fn with_curves(
         "predicted": predicted.collect::<Vec<_>>(),
         "free_run": free_run,
     });
-    document
+    Ok(document)
 }
 
 fn drive(motion: &driver_model::Motion) -> Value {
@@ -266,11 +279,6 @@ fn drive(motion: &driver_model::Motion) -> Value {
         "name": motion.name(),
         "step_s": motion.step_s(),
         "speed_mps": rounded(motion.speed_mps().iter().copied()),
-        "limit_mps": motion.limit_mps().as_ref().map(|limit| rounded(limit.iter().copied())),
+        "limit_mps": motion.limit_mps().map(|limit| rounded(limit.iter().copied())),
     })
-}
-
-/// To a millimetre per second, which no picture shows; not a number becomes null.
-pub(super) fn rounded(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    values.map(|value| (value * 1e3).round() / 1e3).collect()
 }

@@ -8,7 +8,8 @@ use crate::words::plural;
 const ALIKE: f64 = 0.05;
 
 /// `vehicle` is the one that energies are of, in words.
-pub(super) fn sentences(driver: &Portrait, fleet: Option<&Portrait>, vehicle: &str) -> Vec<String> {
+#[must_use]
+pub fn sentences(driver: &Portrait, fleet: Option<&Portrait>, vehicle: &str) -> Vec<String> {
     let mut sentences = vec![format!(
         "{}, {:.0} km in {:.1} h.",
         plural(driver.drives, "drive"),

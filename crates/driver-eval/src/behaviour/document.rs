@@ -2,15 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use driver_eval::cruise::{CruiseEvaluation, CruiseFold, CruiseSummary};
-use driver_eval::following::{
-    FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference, PerFollowingModel,
-    ScoredStretch,
-};
-use driver_eval::phase::{
-    BandCoverage, EvaluatedPhase, Evaluation, Fold, LearningPoint, PairedComparison,
-    PhasePrediction, Summary,
-};
 use driver_model::cruise::CruiseModel;
 use driver_model::following::{FollowingModel, FollowingStretch};
 use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
@@ -18,14 +9,23 @@ use driver_model::{AccelDensity, FunctionFit, LeftOut, ModelKind, PhaseKind, Pha
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::hold_out::{HoldOut, Units, UnitsEntry};
-use super::missing::Missing;
-use super::{EvaluateArgs, Findings};
+use super::BehaviourEvaluation;
+use crate::cruise::{CruiseEvaluation, CruiseFold, CruiseSummary};
+use crate::following::{
+    FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference, PerFollowingModel,
+    ScoredStretch,
+};
+use crate::phase::{
+    BandCoverage, EvaluatedPhase, Evaluation, Fold, LearningPoint, PairedComparison,
+    PhasePrediction, Summary,
+};
+use crate::units::{UnitKind, Units, UnitsEntry};
 use crate::words::plural;
 
-#[derive(Serialize)]
-pub(super) struct Body<'a> {
-    hold_out: HoldOut,
+/// What a document says of a [`BehaviourEvaluation`].
+#[derive(Debug, Serialize)]
+pub struct BehaviourDocument<'a> {
+    hold_out: UnitKind,
     held_out: UnitsEntry,
     /// Acceleration on the outside, as scripts have known it.
     #[serde(flatten)]
@@ -37,7 +37,7 @@ pub(super) struct Body<'a> {
     following: Option<Following<'a>>,
     system_identification: Option<SystemIdentification<'a>>,
     /// Parts without figures, with the reason.
-    not_evaluated: &'a Missing,
+    not_evaluated: &'a BTreeMap<&'static str, String>,
     /// Drives that have nothing to evaluate.
     left_out_drives: &'a [LeftOut],
     /// The vehicle, where none was named.
@@ -45,19 +45,19 @@ pub(super) struct Body<'a> {
 }
 
 /// Functions of speed fitted to everything.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct FunctionFits<'a> {
     fits: &'a [FunctionFit],
 }
 
 /// The transition-point method on all acceleration phases.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct SystemIdentification<'a> {
     thrown_away: usize,
     groups: Vec<GroupEntry<'a>>,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct GroupEntry<'a> {
     group: String,
     response: &'a StepResponse,
@@ -67,7 +67,7 @@ struct GroupEntry<'a> {
 }
 
 /// Cruising.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Cruise<'a> {
     models: BTreeMap<&'static str, CruiseSummary>,
     parameters: CruiseModel,
@@ -75,7 +75,7 @@ struct Cruise<'a> {
 }
 
 /// Behind a vehicle.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct Following<'a> {
     /// Held out.
     models: BTreeMap<&'static str, FollowingSummary>,
@@ -86,7 +86,7 @@ struct Following<'a> {
 }
 
 /// One kind of phase.
-#[derive(Default, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct Kind<'a> {
     models: BTreeMap<&'static str, &'a Summary>,
     folds: Vec<FoldEntry<'a>>,
@@ -96,7 +96,7 @@ struct Kind<'a> {
     left_out: BTreeMap<&'static str, &'a str>,
 }
 
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 struct FoldEntry<'a> {
     held_out: &'a str,
     model: &'static str,
@@ -108,13 +108,19 @@ struct FoldEntry<'a> {
     notes: Vec<String>,
 }
 
-impl<'a> Body<'a> {
-    pub(super) fn new(args: &EvaluateArgs, units: &Units, findings: &'a Findings) -> Self {
+impl<'a> BehaviourDocument<'a> {
+    /// `default_vehicle` is the vehicle where none was named.
+    #[must_use]
+    pub fn new(
+        units: &Units,
+        findings: &'a BehaviourEvaluation,
+        default_vehicle: Option<&'static str>,
+    ) -> Self {
         let fits = findings.fits.iter().filter(|(_, fits)| !fits.is_empty());
         Self {
-            hold_out: args.hold_out.hold_out,
+            hold_out: units.kind,
             held_out: units.entry(),
-            default_vehicle: args.vehicle.by_default(),
+            default_vehicle,
             acceleration: findings
                 .acceleration
                 .as_ref()
@@ -123,7 +129,7 @@ impl<'a> Body<'a> {
             function_fits: fits
                 .map(|(kind, fits)| (kind.name(), FunctionFits { fits }))
                 .collect(),
-            learning_curve: args.learning_curve.then_some(&findings.learning),
+            learning_curve: findings.learning.as_deref(),
             cruise: findings.cruise.as_ref().map(Cruise::new),
             following: findings.following.as_ref().map(|(e, _)| Following::new(e)),
             system_identification: findings.systems.as_ref().map(|model| SystemIdentification {
@@ -236,7 +242,8 @@ impl<'a> FoldEntry<'a> {
 }
 
 /// The document with every curve, for the report.
-pub(super) fn with_curves(mut document: Value, findings: &Findings, trips: &[Trip]) -> Value {
+#[must_use]
+pub fn with_curves(mut document: Value, findings: &BehaviourEvaluation, trips: &[Trip]) -> Value {
     document["phases"] = findings.acceleration.as_ref().map_or(json!([]), phases);
     if let Some(braking) = &findings.braking {
         document["braking"]["phases"] = phases(braking);
