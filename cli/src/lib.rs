@@ -8,7 +8,6 @@ mod config;
 mod drives;
 mod exit;
 mod flags;
-mod folders;
 mod inputs;
 mod names;
 mod numbers;

@@ -34,6 +34,11 @@ impl Progress {
         }
     }
 
+    /// For the number of steps that was not known at first.
+    pub(crate) fn set_steps(&self, steps: usize) {
+        self.bar.set_length(steps as u64 * PARTS);
+    }
+
     /// One step is done; callable from any thread.
     pub(crate) fn step(&self) {
         self.advance(PARTS);

@@ -93,7 +93,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&report))?,
     }
-    Ok(inputs.outcome().and(outcome))
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 #[derive(Serialize)]

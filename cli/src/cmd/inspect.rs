@@ -46,7 +46,7 @@ pub(crate) fn run(args: &InspectArgs, context: &Context) -> anyhow::Result<Outco
             output::print_text(&texts.join("\n"))?;
         }
     }
-    Ok(inputs.outcome().and(outcome))
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 #[derive(Serialize)]

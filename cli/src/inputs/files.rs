@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use serde::Serialize;
 
-use crate::folders::files_below;
+use drive_log::collection::files_below;
 
 /// Scenarios, paths, links, run logs and poses.
 #[derive(Debug, Default)]

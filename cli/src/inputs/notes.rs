@@ -1,6 +1,8 @@
 //! What stderr says about inputs.
 
-use super::{Beside, Input, LeftOut, Twice};
+use drive_log::collection::{NoLog, Repeated};
+
+use super::{Beside, Input};
 use crate::flags::Context;
 use crate::output;
 use crate::words::plural;
@@ -9,7 +11,7 @@ use crate::words::plural;
 const NAMED: usize = 5;
 
 /// A line on files that are no logs.
-pub(super) fn left_out(files: &[LeftOut], context: &Context) {
+pub(super) fn left_out(files: &[NoLog], context: &Context) {
     if !files.is_empty() {
         output::note(context, &format!("left out: {}", listed(files)));
     }
@@ -24,7 +26,7 @@ pub(super) fn beside(beside: &Beside, context: &Context) {
 }
 
 /// A line for each of the first, and how many more there are.
-pub(super) fn twice(drives: &[Twice], context: &Context) {
+pub(super) fn twice(drives: &[Repeated], context: &Context) {
     for drive in drives.iter().take(NAMED) {
         output::note(context, &drive.to_string());
     }
@@ -38,7 +40,7 @@ pub(super) fn twice(drives: &[Twice], context: &Context) {
 }
 
 /// How many files are no logs, and the first of them with why.
-pub(super) fn listed(files: &[LeftOut]) -> String {
+pub(super) fn listed(files: &[NoLog]) -> String {
     let named = files.iter().take(NAMED);
     let mut names: Vec<String> = named.map(|f| format!("`{}` ({})", f.path, f.why)).collect();
     if files.len() > NAMED {

@@ -22,6 +22,7 @@ mod ctrl_scenarios;
 mod documents;
 mod energy;
 mod evaluate;
+mod examples;
 mod fit_predict;
 mod flags;
 mod follow;

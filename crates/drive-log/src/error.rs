@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 pub use table::TableError;
 
+use crate::collection::NoLog;
+
 /// Why a recording could not be read, prepared or written. Every message says what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -25,6 +27,69 @@ pub enum Error {
         log: String,
         /// What the operating system said.
         problem: std::io::Error,
+    },
+    /// A folder cannot be listed.
+    #[error("cannot list the folder `{}`: {problem}", folder.display())]
+    List {
+        /// The folder.
+        folder: PathBuf,
+        /// What the operating system said.
+        problem: std::io::Error,
+    },
+    /// Neither a path nor a pattern.
+    #[error("`{pattern}` is neither a file nor a glob: {problem}")]
+    Glob {
+        /// What was given.
+        pattern: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// No file has this name.
+    #[error("no such file, folder or match: `{pattern}`")]
+    NoMatch {
+        /// What was given.
+        pattern: String,
+    },
+    /// No file of a folder is called like a log.
+    #[error(
+        "no logs in the folder `{}`; looked to the bottom for files ending in .{suffixes}, also with .gz or .zst",
+        folder.display()
+    )]
+    NoLogsInFolder {
+        /// The folder.
+        folder: PathBuf,
+        /// How logs end.
+        suffixes: String,
+    },
+    /// No thread to read with.
+    #[error("cannot start a thread to read with: {problem}; try fewer threads")]
+    Thread {
+        /// What the operating system said.
+        problem: std::io::Error,
+    },
+    /// What is wrong with a log of a file.
+    #[error("`{path}`: {cause}")]
+    InFile {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        cause: Box<Error>,
+    },
+    /// Logs that cannot be used among others.
+    #[error("{} cannot be used:{}", logs(.broken.len()), .broken.iter().map(|e| format!("\n  {e}")).collect::<String>())]
+    Unusable {
+        /// What is wrong with each.
+        broken: Vec<Error>,
+        /// How many others can be used.
+        usable: usize,
+        /// Files of folders that are no logs.
+        left_out: Vec<NoLog>,
+    },
+    /// No file is a log.
+    #[error("no logs but {} that are none", files(.left_out.len()))]
+    OnlyOtherFiles {
+        /// The files.
+        left_out: Vec<NoLog>,
     },
     /// A gzip or zstd stream is damaged or cut short.
     #[error("{}: damaged {codec} stream: {problem}; copy or compress the file again", path.display())]
@@ -363,5 +428,19 @@ impl Error {
                     ..
                 }
         )
+    }
+}
+
+fn logs(count: usize) -> String {
+    match count {
+        1 => "a log".to_owned(),
+        n => format!("{n} logs"),
+    }
+}
+
+fn files(count: usize) -> String {
+    match count {
+        1 => "a file".to_owned(),
+        n => format!("{n} files"),
     }
 }

@@ -53,6 +53,7 @@ mod canonical;
 mod cells;
 mod channel;
 mod clock;
+pub mod collection;
 mod compressed;
 mod cycle_table;
 mod derivative;
@@ -87,6 +88,7 @@ mod unit;
 mod write;
 
 pub use channel::Channel;
+pub use collection::{Collection, SourcedDrive};
 pub use derivative::forward_difference;
 pub use error::{Error, TableError};
 pub use finding::{Action, Finding, FindingKind};

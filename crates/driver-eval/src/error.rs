@@ -51,6 +51,14 @@ pub enum Error {
         /// The columns that say anything of the whole drive.
         known: Vec<String>,
     },
+    /// A model of the next seconds has no such horizon.
+    #[error("the model was fitted for {} s, and not for {asked_s} s", .known_s.iter().map(f64::to_string).collect::<Vec<_>>().join(", "))]
+    Horizon {
+        /// What was asked for.
+        asked_s: f64,
+        /// What there is.
+        known_s: Vec<f64>,
+    },
     /// From a driver model.
     #[error(transparent)]
     Model(#[from] driver_model::Error),

@@ -38,6 +38,7 @@ pub mod following;
 mod hold_out;
 pub mod phase;
 pub mod portrait;
+mod predictions;
 mod ratio_interval;
 pub mod speed_ahead;
 pub mod trajectory;
@@ -47,3 +48,7 @@ pub mod words;
 
 pub use error::Error;
 pub use hold_out::{HoldOut, Split};
+pub use predictions::{
+    Predicted, PredictedAhead, PredictedCruise, PredictedFollowing, PredictedPhase, PredictedTrip,
+    PredictionSettings, Predictions, predict,
+};

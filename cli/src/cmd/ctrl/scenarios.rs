@@ -8,8 +8,8 @@ use unicycle_cbf::Testbed;
 
 use super::scenario::{PresetName, apply, from_file};
 use crate::flags::Context;
-use crate::folders::files_below;
 use crate::output;
+use drive_log::collection::files_below;
 
 /// What scenarios are asked for, and with which controllers.
 pub(crate) struct Wanted<'a> {

@@ -127,7 +127,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         output::note(context, &format!("report written to {}", path.display()));
     }
-    Ok(inputs.outcome().and(outcome))
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 #[derive(Serialize)]

@@ -111,11 +111,11 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
         Task::Phases => {
             let prior = args.prior.inputs(&args.logs.reading, &inputs, context)?;
             args.evaluate_phases(&inputs, &prior, &vehicle, context)
-                .map(|outcome| outcome.and(prior.outcome()))
+                .map(|outcome| outcome.and(inputs::outcome(&prior)))
         }
     };
-    let outcome = outcome.map_err(|error| inputs.explained(error))?;
-    Ok(inputs.outcome().and(outcome))
+    let outcome = outcome.map_err(|error| inputs::explained(&inputs, error))?;
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 impl EvaluateArgs {

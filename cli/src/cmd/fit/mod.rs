@@ -131,7 +131,9 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::text(args, &file, residuals))?,
     }
-    Ok(inputs.outcome().and(prior_inputs.outcome()).and(outcome))
+    Ok(inputs::outcome(&inputs)
+        .and(inputs::outcome(&prior_inputs))
+        .and(outcome))
 }
 
 impl FitArgs {

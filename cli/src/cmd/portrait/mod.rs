@@ -93,7 +93,9 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text(&document.body))?,
     }
-    Ok(inputs.outcome().and(fleet_inputs.outcome()).and(outcome))
+    Ok(inputs::outcome(&inputs)
+        .and(inputs::outcome(&fleet_inputs))
+        .and(outcome))
 }
 
 #[derive(Serialize)]

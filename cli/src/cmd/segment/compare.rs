@@ -82,7 +82,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         Format::Json => print_json(&document)?,
         Format::Text => print_text(&text)?,
     }
-    Ok(inputs.outcome().and(outcome))
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 fn config(args: &SegmentArgs) -> Config<'_> {

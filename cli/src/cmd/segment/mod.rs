@@ -131,7 +131,7 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         Format::Json => print_json(&document)?,
         Format::Text => print_text(&output::text(&inputs, &logs, &segmented))?,
     }
-    Ok(inputs.outcome().and(outcome))
+    Ok(inputs::outcome(&inputs).and(outcome))
 }
 
 /// Pieces of drives, as a segmentation sees them.

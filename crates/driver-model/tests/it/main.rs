@@ -18,3 +18,4 @@ mod reference_vectors;
 mod step_response;
 mod support;
 mod weights;
+mod wish;

@@ -3,45 +3,47 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use super::folders::{files_below, is_hidden};
+use super::{NoLog, Repeated};
+use crate::Error;
 
-use super::{LeftOut, Twice};
-use crate::folders::{files_below, is_hidden};
-
-pub(super) const LOG_SUFFIXES: [&str; 4] = ["csv", "tsv", "txt", "parquet"];
+const LOG_SUFFIXES: [&str; 4] = ["csv", "tsv", "txt", "parquet"];
 const COMPRESSION_SUFFIXES: [&str; 2] = ["gz", "zst"];
 
 /// A file to read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Named {
     pub(super) path: PathBuf,
-    /// The folder in which it was found; `None` where it was named itself.
-    pub(super) folder: Option<PathBuf>,
+    /// Found in a folder, not named itself.
+    pub(super) in_folder: bool,
 }
 
 /// What the arguments stand for.
 #[derive(Debug, Default)]
 pub(super) struct Expanded {
     pub(super) files: Vec<Named>,
-    pub(super) left_out: Vec<LeftOut>,
-    pub(super) twice: Vec<Twice>,
+    pub(super) left_out: Vec<NoLog>,
+    pub(super) twice: Vec<Repeated>,
 }
 
 /// Files stay in the order given; a folder's and a glob's come sorted by name. `./a` and `a` are one file, as are a link
 /// and what it leads to.
-pub(super) fn expand(arguments: &[PathBuf]) -> anyhow::Result<Expanded> {
+pub(super) fn expand(arguments: &[PathBuf]) -> Result<Expanded, Error> {
     let mut found = Expanded::default();
     for argument in arguments {
         let path = tidy(argument);
         if path.is_dir() {
             found.add_folder(&path)?;
         } else if argument == Path::new("-") || argument.exists() {
-            found.files.push(Named { path, folder: None });
+            found.files.push(Named {
+                path,
+                in_folder: false,
+            });
         } else {
             let files = matching(argument)?.into_iter();
             found.files.extend(files.map(|path| Named {
                 path: tidy(&path),
-                folder: None,
+                in_folder: false,
             }));
         }
     }
@@ -62,21 +64,20 @@ fn tidy(path: &Path) -> PathBuf {
 }
 
 impl Expanded {
-    fn add_folder(&mut self, folder: &Path) -> anyhow::Result<()> {
+    fn add_folder(&mut self, folder: &Path) -> Result<(), Error> {
         let files = files_below(folder)?;
         let (logs, others): (Vec<PathBuf>, Vec<PathBuf>) = files
             .iter()
             .map(|path| tidy(path))
             .partition(|path| may_be_a_log(path));
         if logs.is_empty() {
-            bail!(
-                "no logs in the folder `{}`; looked to the bottom for files ending in .{}, also with .gz or .zst",
-                folder.display(),
-                LOG_SUFFIXES.join(", .")
-            );
+            return Err(Error::NoLogsInFolder {
+                folder: folder.to_owned(),
+                suffixes: LOG_SUFFIXES.join(", ."),
+            });
         }
         self.left_out.extend(others.iter().map(|path| {
-            LeftOut {
+            NoLog {
                 path: path.display().to_string(),
                 why: if path.is_file() {
                     "not by the name of a log"
@@ -88,7 +89,7 @@ impl Expanded {
         }));
         self.files.extend(logs.into_iter().map(|path| Named {
             path,
-            folder: Some(folder.to_owned()),
+            in_folder: true,
         }));
         Ok(())
     }
@@ -105,7 +106,7 @@ impl Expanded {
                     true
                 }
                 Some(known) => {
-                    twice.push(Twice::file(shown, known.clone()));
+                    twice.push(Repeated::file(shown, known.clone()));
                     false
                 }
             }
@@ -130,19 +131,26 @@ fn may_be_a_log(path: &Path) -> bool {
     LOG_SUFFIXES.contains(&last.as_str())
 }
 
-fn matching(pattern: &Path) -> anyhow::Result<Vec<PathBuf>> {
+fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Error> {
     let text = pattern.to_string_lossy();
     let mut paths = Vec::new();
-    for path in
-        glob::glob(&text).with_context(|| format!("`{text}` is neither a file nor a glob"))?
-    {
-        let path = path?;
+    let no_glob = |problem: glob::PatternError| Error::Glob {
+        pattern: text.clone().into_owned(),
+        problem: problem.to_string(),
+    };
+    for path in glob::glob(&text).map_err(no_glob)? {
+        let path = path.map_err(|error| Error::List {
+            folder: error.path().to_owned(),
+            problem: error.into(),
+        })?;
         if path.is_file() {
             paths.push(path);
         }
     }
     if paths.is_empty() {
-        bail!("no such file, folder or match: `{text}`");
+        return Err(Error::NoMatch {
+            pattern: text.into_owned(),
+        });
     }
     paths.sort();
     Ok(paths)

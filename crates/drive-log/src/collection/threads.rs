@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use anyhow::Context as _;
+use crate::Error;
 
 /// Works on every item, on as many threads as there are workers, and returns the results in the order of the items.
 ///
@@ -11,8 +11,9 @@ use anyhow::Context as _;
 /// same stack.
 pub(super) fn in_order<T: Sync, R: Send>(
     items: &[T],
+    threads: usize,
     work: impl Fn(&T) -> R + Sync,
-) -> anyhow::Result<Vec<R>> {
+) -> Result<Vec<R>, Error> {
     let next = AtomicUsize::new(0);
     let worker = || {
         let mut done = Vec::new();
@@ -25,15 +26,15 @@ pub(super) fn in_order<T: Sync, R: Send>(
         }
     };
     let mut done = thread::scope(|scope| {
-        let workers = (0..rayon::current_num_threads().min(items.len()))
+        let workers = (0..threads.max(1).min(items.len()))
             .map(|_| thread::Builder::new().spawn_scoped(scope, worker))
             .collect::<Result<Vec<_>, _>>()
-            .context("cannot start a thread to read with; try a smaller --threads")?;
+            .map_err(|problem| Error::Thread { problem })?;
         let results = workers.into_iter().map(|worker| {
             let result = worker.join();
             result.unwrap_or_else(|cause| std::panic::resume_unwind(cause))
         });
-        anyhow::Ok(results.flatten().collect::<Vec<_>>())
+        Ok::<_, Error>(results.flatten().collect::<Vec<_>>())
     })?;
     done.sort_by_key(|(index, _)| *index);
     Ok(done.into_iter().map(|(_, result)| result).collect())
@@ -47,7 +48,11 @@ mod tests {
     #[test]
     fn results_are_in_the_order_of_the_items() {
         let items: Vec<usize> = (0..1000).collect();
-        assert_eq!(in_order(&items, |item| *item).unwrap(), items);
-        assert!(in_order(&[] as &[usize], |item| *item).unwrap().is_empty());
+        assert_eq!(in_order(&items, 3, |item| *item).unwrap(), items);
+        assert!(
+            in_order(&[] as &[usize], 3, |item| *item)
+                .unwrap()
+                .is_empty()
+        );
     }
 }

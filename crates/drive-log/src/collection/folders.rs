@@ -3,11 +3,14 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use crate::Error;
 
 /// What lies below a folder, sorted by path. Each folder is entered once, whatever links lead to it, and by a link only
 /// where nothing else leads there; hidden folders are not entered.
-pub(crate) fn files_below(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+///
+/// # Errors
+/// [`Error::List`] for a folder that cannot be listed.
+pub fn files_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut search = Search::default();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -31,17 +34,17 @@ struct Search {
 
 impl Search {
     /// The folders in a folder.
-    fn enter(&mut self, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-        let failed = || format!("cannot list the folder `{}`", folder.display());
+    fn enter(&mut self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        let failed = |problem| Error::List {
+            folder: folder.to_owned(),
+            problem,
+        };
         let mut folders = Vec::new();
-        if !self
-            .entered
-            .insert(folder.canonicalize().with_context(failed)?)
-        {
+        if !self.entered.insert(folder.canonicalize().map_err(failed)?) {
             return Ok(folders);
         }
-        for entry in folder.read_dir().with_context(failed)? {
-            let path = entry.with_context(failed)?.path();
+        for entry in folder.read_dir().map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
             if !path.is_dir() {
                 self.files.push(path);
             } else if path.is_symlink() {
@@ -55,7 +58,7 @@ impl Search {
 }
 
 /// Whether a name starts with a point, as those of programs do.
-pub(crate) fn is_hidden(path: &Path) -> bool {
+pub(super) fn is_hidden(path: &Path) -> bool {
     path.file_name()
         .is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
