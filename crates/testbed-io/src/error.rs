@@ -60,29 +60,9 @@ pub enum Error {
         /// What was looked for.
         expected: &'static str,
     },
-    /// A disturbance out of its range.
-    #[error(
-        "disturbance `{name}` is {value}; it must be from 0 to {most}, in the unit of its name: m, rad, s, m/s, and shares as 0.1 for 10 %"
-    )]
-    Disturbance {
-        /// Name of the setting.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// Largest allowed value.
-        most: f64,
-    },
-    /// A scenario that cannot be.
-    #[error("scenario: {0}")]
-    Scenario(#[from] unicycle_cbf::Error),
-    /// One of several scenarios that cannot be.
-    #[error("scenario `{name}`: {source}")]
-    NamedScenario {
-        /// Its name or file.
-        name: String,
-        /// What is wrong with it.
-        source: unicycle_cbf::Error,
-    },
+    /// What cannot be run.
+    #[error(transparent)]
+    Run(#[from] testbed_sim::Error),
     /// The settings in a run log are none.
     #[error("the settings in the run log: {0}; is it one of `ctrl run`?")]
     Meta(String),
@@ -93,12 +73,6 @@ pub enum Error {
         name: &'static str,
         /// Its type.
         kind: &'static str,
-    },
-    /// Ticks of a run log that are not in the order in which they were decided.
-    #[error("the run log is not in order at step {step}; replay it as it was written")]
-    Order {
-        /// The first step that is not.
-        step: usize,
     },
     /// A scenario for another number of robots.
     #[error(

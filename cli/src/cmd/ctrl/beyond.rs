@@ -1,6 +1,6 @@
 //! Disturbances that are larger than what the controllers were told to expect.
 
-use testbed_io::Disturbances;
+use testbed_sim::Disturbances;
 use unicycle_cbf::{Demands, Hardening, Limits};
 
 use crate::render::table::number;
@@ -80,7 +80,7 @@ impl Beyond {
 
 #[cfg(test)]
 mod tests {
-    use testbed_io::Disturbances;
+    use testbed_sim::Disturbances;
     use unicycle_cbf::{Demands, Preset, Scenario, Testbed};
 
     use super::note;

@@ -16,7 +16,8 @@ use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, Group, SettingsOf, Tally, Violation};
+use testbed_sim::campaign::{Tally, Violation};
+use testbed_sim::{Campaign, CampaignReport, Disturbances, Group, SettingsOf};
 use unicycle_cbf::{Demands, Scenario};
 
 /// Thousands of seeded runs under disturbances, and which of them were unsafe

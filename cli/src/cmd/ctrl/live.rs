@@ -9,19 +9,19 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
+use live_view::{NewestPlaces, Snapshot, View};
 use serde::Serialize;
 use testbed_io::live::{Ending, LinkSpec, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
-use testbed_io::{Figures, Run, RunSpec, Summary};
+use testbed_io::{LoggedRun, RunFile};
+use testbed_sim::Summary;
 use unicycle_cbf::Scenario;
 
 use super::guards;
-use super::newest::NewestPlaces;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
 use crate::temporary;
-use crate::view::{Snapshot, View};
 
 /// Watchdog of controllers that have none, in s.
 const MAX_POSE_AGE_S: f64 = 0.3;
@@ -76,7 +76,7 @@ impl LinkKind {
 
 impl LiveArgs {
     /// Sees to it that the scenario can run on real robots, if that is asked for.
-    pub(crate) fn prepare(&self, spec: &mut RunSpec, context: &Context) -> anyhow::Result<()> {
+    pub(crate) fn prepare(&self, spec: &mut RunFile, context: &Context) -> anyhow::Result<()> {
         let Some(file) = &self.live else {
             if spec.link.is_some() {
                 anyhow::bail!(
@@ -110,7 +110,7 @@ impl LiveArgs {
 
     pub(crate) fn session<'a>(
         &self,
-        spec: &'a RunSpec,
+        spec: &'a RunFile,
         link: &'a LinkSpec,
         scenario: &'a Scenario,
         log: Option<&'a Path>,
@@ -126,7 +126,7 @@ impl LiveArgs {
 
 /// A session, and what is made of it on the way.
 pub(crate) struct LiveSession<'a> {
-    spec: &'a RunSpec,
+    spec: &'a RunFile,
     session: Session<'a>,
     log: Option<&'a Path>,
     view: Option<SocketAddr>,
@@ -134,7 +134,10 @@ pub(crate) struct LiveSession<'a> {
 
 impl LiveSession<'_> {
     /// Runs it, and gives the run with all its ticks.
-    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<(Run, Summary, LiveReport)> {
+    pub(crate) fn run(
+        &self,
+        context: &Context,
+    ) -> anyhow::Result<(LoggedRun, Summary, LiveReport)> {
         let stop = StopSwitch::default();
         watch_signals(&stop)?;
         let (scenario, link) = (self.session.scenario, self.session.link);
@@ -150,11 +153,12 @@ impl LiveSession<'_> {
         let mut started_unix_s = None;
         let mut places = NewestPlaces::new(scenario);
         let ended = self.session.run(&stop, |update| match update {
-            Update::Note(text) => {
-                notes.tell(text);
+            Update::Note(note) => {
+                let text = note.to_string();
                 if let Some(view) = &view {
-                    view.note(text);
+                    view.note(&text);
                 }
+                notes.show(text);
             }
             Update::Step {
                 ticks,
@@ -167,7 +171,7 @@ impl LiveSession<'_> {
                 let add = |journal: &Journal| journal.add(ticks, started_s);
                 if journal.as_ref().is_some_and(|journal| !add(journal)) && !stop.is_on() {
                     stop.stop();
-                    notes.tell("the run log takes no more; stopping");
+                    notes.show("the run log takes no more; stopping".to_owned());
                 }
                 kept.extend_from_slice(ticks);
                 if let Some(view) = &view {
@@ -198,7 +202,7 @@ impl LiveSession<'_> {
             forget_journal(log);
         }
         let (summary, report) = ended?;
-        let run = Run {
+        let run = LoggedRun {
             spec: self.spec.clone(),
             ticks: kept,
             started_unix_s,
@@ -254,11 +258,11 @@ impl Notes {
         Ok(Self { texts, thread })
     }
 
-    fn tell(&self, text: &str) {
-        let _ = self.texts.try_send(text.to_owned());
+    fn show(&self, text: String) {
+        let _ = self.texts.try_send(text);
     }
 
-    /// Waits for what was told, but not for ever.
+    /// Waits for what is still to be shown, but not for ever.
     fn finish(self) {
         drop(self.texts);
         for _ in 0..100 {
@@ -367,16 +371,8 @@ fn view(
     stop: &StopSwitch,
     context: &Context,
 ) -> anyhow::Result<View> {
-    let spec = scenario.spec();
-    let figures = serde_json::to_value(Figures::new(scenario, &[], None))?;
-    let mut lane = figures["lane"].clone();
-    for key in ["robot", "headway_s"] {
-        lane[key] = figures[key].clone();
-    }
-    let title = format!("{} on {}", spec.name, spec.testbed);
     let stop = stop.clone();
-    let stop = Box::new(move || stop.stop());
-    let view = View::start(address, lane, title, stop)?;
+    let view = View::start(address, scenario, Box::new(move || stop.stop()))?;
     output::note(context, &format!("view: {}", view.control_url()));
     output::note(context, &format!("to watch only: {}", view.watch_url()));
     Ok(view)

@@ -6,7 +6,6 @@ mod check;
 mod explain;
 mod guards;
 mod live;
-mod newest;
 mod replay;
 mod run;
 mod run_text;

@@ -4,7 +4,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
+use testbed_io::{scenario_of, shadow};
+use testbed_sim::summary::outcomes_of;
+use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
 use super::run::forget_times;
@@ -96,8 +98,7 @@ struct Again<'a> {
 }
 
 fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Outcome> {
-    let table = log_file::read(file)?;
-    let log = RunLog::from_table(&table)?;
+    let log = log_file::read(file)?.run_log()?;
     let replay = log.replay()?;
     anyhow::ensure!(
         replay.decisions > 0,
@@ -105,8 +106,8 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
         file.display()
     );
     let body = Again {
-        scenario: &log.spec.scenario.name,
-        testbed: &log.spec.scenario.testbed,
+        scenario: &log.scenario.name,
+        testbed: &log.scenario.testbed,
         replay: &replay,
     };
     if replay.truncated {
@@ -226,7 +227,7 @@ fn beside(
             name: &recorded.name,
             poses: recorded.poses.len(),
             findings: &recorded.findings,
-            outcomes: testbed_io::outcomes_of(&ticks, robot),
+            outcomes: outcomes_of(&ticks, robot),
         });
     let body = Beside {
         robots: robots.collect(),

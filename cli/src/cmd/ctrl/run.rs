@@ -5,7 +5,9 @@ use clap::Args;
 use serde::Serialize;
 use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{Disturbances, Event, Run, RunSpec, Summary, Tick, Timing, Verdict};
+use testbed_io::{LoggedRun, RunFile};
+use testbed_sim::figures::Event;
+use testbed_sim::{Disturbances, Summary, Tick, Timing, Verdict};
 use unicycle_cbf::{Demands, Scenario};
 
 use super::beyond;
@@ -96,7 +98,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     };
     if args.show_config {
         // Where robots are is the business of another file.
-        let spec = RunSpec {
+        let spec = RunFile {
             link: None,
             scenario: scenario.spec().clone(),
             ..named.spec
@@ -128,7 +130,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
 
 /// A run that is over, in simulation or on real robots.
 pub(super) struct Ended {
-    run: Run,
+    run: LoggedRun,
     pub(super) summary: Summary,
     pub(super) timing: Timing,
     pub(super) live: Option<LiveReport>,
@@ -181,7 +183,7 @@ impl RunArgs {
 
     fn ended(
         &self,
-        spec: &RunSpec,
+        spec: &RunFile,
         scenario: &Scenario,
         context: &Context,
     ) -> anyhow::Result<Ended> {
@@ -240,7 +242,7 @@ impl RunArgs {
         matches!(format, Some(Ok(LogFormat::Mcap)))
     }
 
-    fn save(&self, run: &Run, context: &Context) -> anyhow::Result<()> {
+    fn save(&self, run: &LoggedRun, context: &Context) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
             return Ok(());
         };
@@ -301,18 +303,22 @@ pub(super) fn forget_times(ticks: &mut [Tick]) {
     }
 }
 
-fn figures(spec: &RunSpec, scenario: &Scenario, run: &Run) -> anyhow::Result<testbed_io::Figures> {
+fn figures(
+    spec: &RunFile,
+    scenario: &Scenario,
+    run: &LoggedRun,
+) -> anyhow::Result<testbed_sim::Figures> {
     let undisturbed = if spec.disturbances.is_none() {
         None
     } else {
-        let spec = RunSpec {
+        let spec = RunFile {
             disturbances: Disturbances::default(),
             ..spec.clone()
         };
         Some(spec.simulate()?.0)
     };
     let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
-    Ok(testbed_io::Figures::new(scenario, &run.ticks, undisturbed))
+    Ok(testbed_sim::Figures::new(scenario, &run.ticks, undisturbed))
 }
 
 #[derive(Serialize)]
@@ -335,8 +341,8 @@ struct Body<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     events: Vec<Event>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<testbed_io::Figures>,
-    spec: &'a RunSpec,
+    figures: Option<testbed_sim::Figures>,
+    spec: &'a RunFile,
 }
 
 impl<'a> Body<'a> {

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use testbed_io::{Disturbances, Group, PathFile, RunSpec};
+use testbed_io::{PathFile, RunFile};
+use testbed_sim::{Disturbances, Group};
 use unicycle_cbf::{PathSpec, Preset, ScenarioSpec, Testbed};
 
 /// A built-in scenario or a file.
@@ -103,7 +104,7 @@ impl From<Disturbance> for Group {
 
 /// What a run was asked for by name, for titles and figures.
 pub(crate) struct Named {
-    pub(crate) spec: RunSpec,
+    pub(crate) spec: RunFile,
     pub(crate) preset: Option<PresetName>,
     /// Figures of the thesis that the scenario shows
     pub(crate) figures: &'static [&'static str],
@@ -161,7 +162,7 @@ impl ScenarioArgs {
         let testbed = Testbed::from(self.testbed.unwrap_or(TestbedName::Khepera));
         let preset = self.preset.unwrap_or(default);
         Ok(Named {
-            spec: RunSpec {
+            spec: RunFile {
                 seed: 1,
                 scenario: testbed.scenario(&self.scenario, preset.into())?,
                 disturbances: Disturbances::default(),
@@ -200,7 +201,7 @@ pub(crate) fn apply(preset: PresetName, scenario: &mut ScenarioSpec) {
 }
 
 /// A scenario file, see `ctrl run --show-config`.
-pub(crate) fn from_file(file: &Path) -> anyhow::Result<RunSpec> {
+pub(crate) fn from_file(file: &Path) -> anyhow::Result<RunFile> {
     let text = std::fs::read_to_string(file)
         .with_context(|| format!("cannot read the scenario `{}`", file.display()))?;
     toml::from_str(&text).with_context(|| format!("scenario `{}`", file.display()))

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
-use testbed_io::{NamedScenario, SettingsOf};
+use testbed_sim::{NamedScenario, SettingsOf};
 use unicycle_cbf::Testbed;
 
 use super::scenario::{PresetName, apply, from_file};

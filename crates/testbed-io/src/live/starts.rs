@@ -4,6 +4,7 @@ use unicycle_cbf::{Scenario, Speeds, StampedPose};
 
 use super::counts::Counts;
 use super::gate::wrapped;
+use super::words::names;
 use crate::error::Error;
 
 /// Headings beyond a turn and this are no headings in rad.
@@ -154,10 +155,4 @@ pub(super) fn not_seen(ids: &[u32], counts: &Counts) -> Error {
         ),
         help: "are these their ids at the tracker, are they in the arena?".to_owned(),
     }
-}
-
-/// Robots by their ids.
-pub(super) fn names(ids: &[u32]) -> String {
-    let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
-    names.join(", ")
 }

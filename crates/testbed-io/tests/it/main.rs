@@ -8,19 +8,13 @@
     missing_docs
 )]
 
-mod campaign;
-mod figures;
 mod json_lines;
-mod literal;
 mod log_file;
 mod natnet;
 mod natnet_axes;
 mod natnet_messages;
 mod path_files;
-mod random;
 mod recorded;
 mod replay;
 mod robotarium;
-mod runs;
-mod safety;
 mod shadow;

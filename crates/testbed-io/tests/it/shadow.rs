@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use testbed_io::recorded::{RecordingLayout, read_recording};
-use testbed_io::{outcomes_of, scenario_of, shadow};
+use testbed_io::{scenario_of, shadow};
+use testbed_sim::summary::outcomes_of;
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
 fn shared(name: &str) -> Option<PathBuf> {

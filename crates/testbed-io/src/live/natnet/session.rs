@@ -8,10 +8,10 @@ use std::time::Duration;
 use super::super::counts::Dropped;
 use super::super::inbox::{Inbox, Seen};
 use super::axes::floor_pose;
-use super::client::{NatNetSpec, Transport};
 use super::decode::{decode, is_frame};
 use super::encode::{encode_connect, encode_keep_alive};
 use super::frame::{Frame, Malformed, Message, ServerInfo, Version};
+use super::spec::{NatNetSpec, Transport};
 use super::state::{PUZZLING, State};
 
 /// The user is told after this time without an answer, in s.
