@@ -14,6 +14,22 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A scenario file that cannot be opened or read.
+    #[error("cannot read the scenario `{}`", path.display())]
+    ReadScenario {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A scenario file that holds no scenario.
+    #[error("scenario `{}`", path.display())]
+    ScenarioFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: Box<toml::de::Error>,
+    },
     /// The output could not be written.
     #[error("the run log cannot be written: {source}; is there space left?")]
     Write {
@@ -64,10 +80,10 @@ pub enum Error {
     #[error(transparent)]
     Run(#[from] testbed_sim::Error),
     /// The settings in a run log are none.
-    #[error("the settings in the run log: {0}; is it one of `ctrl run`?")]
+    #[error("the settings in the run log: {0}")]
     Meta(String),
     /// A run log lacks a column or has it with another type.
-    #[error("the run log has no column `{name}` of {kind}; is it one of `ctrl run`?")]
+    #[error("the run log has no column `{name}` of {kind}")]
     MissingColumn {
         /// The column.
         name: &'static str,

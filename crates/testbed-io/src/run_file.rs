@@ -1,8 +1,10 @@
 //! A run as files have it, and with its ticks as it goes into a run log.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
-use testbed_sim::{Disturbances, RunSpec, Summary, Tick};
-use unicycle_cbf::ScenarioSpec;
+use testbed_sim::{Disturbances, Figures, RunSpec, Summary, Tick};
+use unicycle_cbf::{Scenario, ScenarioSpec};
 
 use crate::error::Error;
 use crate::live::LinkSpec;
@@ -35,6 +37,22 @@ pub struct LoggedRun {
 }
 
 impl RunFile {
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or that holds no scenario.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::ReadScenario {
+            path: path.to_owned(),
+            source,
+        })?;
+        toml::from_str(&text).map_err(|source| Error::ScenarioFile {
+            path: path.to_owned(),
+            source: Box::new(source),
+        })
+    }
+
     /// Runs it in simulation, on whatever testbed it was.
     ///
     /// # Errors
@@ -61,5 +79,26 @@ impl RunFile {
 
     pub(crate) fn half_width_m(&self) -> f64 {
         self.scenario.controller.lane.half_width_m
+    }
+}
+
+impl LoggedRun {
+    /// What its pictures are drawn from, with the same run without disturbances where it had some.
+    ///
+    /// # Errors
+    ///
+    /// None of a run that was made of its specification.
+    pub fn figures(&self, scenario: &Scenario) -> Result<Figures, Error> {
+        let undisturbed = if self.spec.disturbances.is_none() {
+            None
+        } else {
+            let spec = RunFile {
+                disturbances: Disturbances::default(),
+                ..self.spec.clone()
+            };
+            Some(spec.simulate()?.0)
+        };
+        let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
+        Ok(Figures::new(scenario, &self.ticks, undisturbed))
     }
 }

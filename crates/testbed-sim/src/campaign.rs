@@ -275,6 +275,16 @@ impl Campaign {
         idle.sum()
     }
 
+    /// Length of each run in s, if all are as long.
+    #[must_use]
+    pub fn common_duration_s(&self) -> Option<f64> {
+        let mut durations_s = self.scenarios.iter().map(|named| named.spec.duration_s);
+        let first_s = durations_s.next()?;
+        durations_s
+            .all(|duration_s| duration_s.total_cmp(&first_s).is_eq())
+            .then_some(first_s)
+    }
+
     /// In the order in which they first occur.
     fn presets(&self) -> Vec<SettingsOf> {
         let mut presets = Vec::new();

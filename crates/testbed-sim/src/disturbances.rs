@@ -3,6 +3,7 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
 use crate::error::Error;
 
@@ -34,21 +35,36 @@ pub struct Disturbances {
     pub wheel_resolution_mps: f64,
 }
 
-/// Groups of disturbances, as campaigns tell them apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+/// Groups of disturbances, as campaigns tell them apart; with what [`Disturbances::HARD`] makes of them.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Serialize,
+    Deserialize,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Group {
     /// Nothing
     None,
-    /// Noise of poses
+    /// Poses wrong by 3 mm and 0.5° (standard deviations)
     Noise,
-    /// Latency with jitter
+    /// Poses 0.05 to 0.1 s late
     Latency,
-    /// Lost poses
+    /// 30 % of the poses lost
     Drops,
-    /// Outages
+    /// No poses for up to 2 s, about every 20 s
     Outages,
-    /// Wheels, mass, motors and resolution of the commands
+    /// Wheels and mass up to 10 % off, motors that lag by 20 ms, wheel speeds in steps of 0.1 mm/s
     Mismatch,
     /// All of them at once
     All,
@@ -56,28 +72,12 @@ pub enum Group {
 
 impl Group {
     /// Every group.
-    pub const ALL: [Self; 7] = [
-        Self::None,
-        Self::Noise,
-        Self::Latency,
-        Self::Drops,
-        Self::Outages,
-        Self::Mismatch,
-        Self::All,
-    ];
+    pub const ALL: &'static [Self] = Self::VARIANTS;
 
     /// As in files.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Noise => "noise",
-            Self::Latency => "latency",
-            Self::Drops => "drops",
-            Self::Outages => "outages",
-            Self::Mismatch => "mismatch",
-            Self::All => "all",
-        }
+        self.into()
     }
 }
 

@@ -27,6 +27,15 @@ pub enum Error {
         /// What is wrong with it.
         source: unicycle_cbf::Error,
     },
+    /// A desired speed that is no number.
+    #[error("desired_speed_mps is {speed_mps}; it must be finite")]
+    DesiredSpeed {
+        /// What was given.
+        speed_mps: f64,
+    },
+    /// Settings of a controller that cannot be.
+    #[error(transparent)]
+    Controller(unicycle_cbf::Error),
     /// Ticks of a run log that are not in the order in which they were decided.
     #[error("the run log is not in order at step {step}; replay it as it was written")]
     Order {

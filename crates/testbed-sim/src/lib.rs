@@ -32,12 +32,15 @@
 //! - D. J. Bernstein, "ChaCha, a variant of Salsa20", SASC 2008: the same random numbers on every machine.
 //! - G. Marsaglia, T. A. Bray, "A convenient method for generating normal variables", SIAM Review 6(3), 1964.
 
+pub mod adaptation;
+pub mod beyond;
 pub mod campaign;
 pub mod columns;
 mod convoy;
 mod delay;
 mod disturbances;
 mod error;
+pub mod explain;
 pub mod figures;
 mod holds;
 pub mod measured;
@@ -54,6 +57,7 @@ pub mod timing;
 pub mod told;
 pub mod verdict;
 
+pub use adaptation::Adaptation;
 pub use campaign::{Campaign, CampaignReport, NamedScenario, SettingsOf};
 pub use convoy::Convoy;
 pub use disturbances::{Disturbances, Group};

@@ -8,16 +8,17 @@ use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context as _;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use live_view::{NewestPlaces, Snapshot, View};
 use serde::Serialize;
-use testbed_io::live::{Ending, LinkSpec, LiveReport, Session, StopSwitch, Update};
+use testbed_io::live::{Ending, LinkSpec, LinkTemplate, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
 use testbed_io::{LoggedRun, RunFile};
 use testbed_sim::Summary;
 use unicycle_cbf::Scenario;
 
-use super::guards;
+use super::check::missing_guards;
+use super::names::named;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
@@ -35,43 +36,13 @@ pub(crate) struct LiveArgs {
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["disturb", "seed"])]
     pub(crate) live: Option<PathBuf>,
     /// Print a file for --live to start from, and end
-    #[arg(long, value_enum, value_name = "KIND")]
+    #[arg(long, value_parser = named::<LinkTemplate>(), value_name = "KIND")]
     #[serde(skip)]
-    pub(crate) show_link: Option<LinkKind>,
+    pub(crate) show_link: Option<LinkTemplate>,
     /// Serve a page with a live view and a stop button, on a free port of this computer or on this address
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0", requires = "live")]
     #[serde(skip)]
     pub(crate) view: Option<SocketAddr>,
-}
-
-/// Testbeds by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LinkKind {
-    /// Khepera III under OptiTrack
-    Khepera,
-    /// Robotarium, over MQTT
-    Robotarium,
-    /// Robotarium of 2018, commands over UDP
-    RobotariumUdp,
-    /// JSON lines over UDP
-    JsonUdp,
-    /// JSON lines to and from a program
-    Program,
-    /// Poses of a run log
-    Recording,
-}
-
-impl LinkKind {
-    pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Khepera => include_str!("links/khepera.toml"),
-            Self::Robotarium => include_str!("links/robotarium.toml"),
-            Self::RobotariumUdp => include_str!("links/robotarium-udp.toml"),
-            Self::JsonUdp => include_str!("links/json-udp.toml"),
-            Self::Program => include_str!("links/program.toml"),
-            Self::Recording => include_str!("links/recording.toml"),
-        }
-    }
 }
 
 impl LiveArgs {
@@ -90,7 +61,7 @@ impl LiveArgs {
                 "the scenario asks for disturbances, which only simulated robots have; take them out, or leave --live out"
             );
         }
-        for text in guards::missing(&spec.scenario.controller) {
+        for text in missing_guards(&spec.scenario.controller) {
             output::note(context, &text);
         }
         let hardening = &mut spec.scenario.controller.hardening;
@@ -199,7 +170,7 @@ impl LiveSession<'_> {
         }
         if let (Err(_), Some(log)) = (&ended, self.log) {
             // It never started.
-            forget_journal(log);
+            remove_journal(log);
         }
         let (summary, report) = ended?;
         let run = LoggedRun {
@@ -280,7 +251,7 @@ pub(crate) fn partial(log: &Path) -> PathBuf {
 }
 
 /// The run log is written; the journal says no more than it.
-pub(crate) fn forget_journal(log: &Path) {
+pub(crate) fn remove_journal(log: &Path) {
     let _ = std::fs::remove_file(partial(log));
 }
 

@@ -7,14 +7,15 @@ use testbed_io::live::{LinkSpec, LiveReport};
 use testbed_io::log_file::{self, LogFormat};
 use testbed_io::{LoggedRun, RunFile};
 use testbed_sim::figures::Event;
-use testbed_sim::{Disturbances, Summary, Tick, Timing, Verdict};
-use unicycle_cbf::{Demands, Scenario};
+use testbed_sim::{Disturbances, Group, Summary, Tick, Timing, Verdict};
+use unicycle_cbf::{Demands, Preset, Scenario};
 
 use super::beyond;
 use super::check;
 use super::live::{self, LiveArgs};
+use super::names::named;
 use super::run_text::{text, why_not_known};
-use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
+use super::scenario::{Named, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
@@ -43,8 +44,8 @@ pub(crate) struct RunArgs {
     #[serde(skip)]
     show_config: bool,
     /// Disturbances of the simulated testbed [default: none, or those of the file]
-    #[arg(long, value_enum, value_name = "GROUP")]
-    disturb: Option<Disturbance>,
+    #[arg(long, value_parser = named::<Group>(), value_name = "GROUP")]
+    disturb: Option<Group>,
     /// Seed of all random numbers [default: 1, or that of the file]
     #[arg(long)]
     seed: Option<u64>,
@@ -116,12 +117,12 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     let format = args.output.as_deref().map(LogFormat::from_path);
     format.transpose()?;
     let ended = args.ended(&named.spec, &scenario, context)?;
-    let told = args
+    let shown = args
         .save(&ended.run, context)
-        .and_then(|()| args.tell(&named, &inputs, &scenario, &ended, context));
+        .and_then(|()| args.show(&named, &inputs, &scenario, &ended, context));
     // Robots that may still move are worse than a file that cannot be written.
     let outcome = ended.outcome()?;
-    let judged = told?;
+    let judged = shown?;
     Ok(match outcome {
         Outcome::Done => judged,
         Outcome::Negative => outcome,
@@ -159,8 +160,8 @@ impl Ended {
 impl RunArgs {
     fn named(&self, context: &Context) -> anyhow::Result<Named> {
         let preset = match self.live.live {
-            Some(_) => PresetName::Hardened,
-            None => PresetName::Thesis,
+            Some(_) => Preset::Hardened,
+            None => Preset::Thesis,
         };
         let mut named = self.scenario.named(preset)?;
         for text in &named.notes {
@@ -168,7 +169,7 @@ impl RunArgs {
         }
         let spec = &mut named.spec;
         if let Some(group) = self.disturb {
-            spec.disturbances = Disturbances::HARD.only(group.into());
+            spec.disturbances = Disturbances::HARD.only(group);
         }
         if let Some(seed) = self.seed {
             spec.seed = seed;
@@ -191,7 +192,7 @@ impl RunArgs {
             None => {
                 let (mut run, summary) = spec.simulate()?;
                 if context.no_times {
-                    forget_times(&mut run.ticks);
+                    clear_times(&mut run.ticks);
                 } else if self.is_mcap() {
                     run.started_unix_s = Some(live::unix_now_s());
                 }
@@ -251,13 +252,13 @@ impl RunArgs {
         output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
         output::note(context, &format!("run log written to {}", path.display()));
         if run.spec.link.is_some() {
-            live::forget_journal(path);
+            live::remove_journal(path);
         }
         Ok(())
     }
 
     /// Report and document.
-    fn tell(
+    fn show(
         &self,
         named: &Named,
         inputs: &FileInputs,
@@ -267,7 +268,7 @@ impl RunArgs {
     ) -> anyhow::Result<Outcome> {
         let mut body = Body::new(named, ended);
         if self.report.is_some() {
-            body.figures = Some(figures(&named.spec, scenario, &ended.run)?);
+            body.figures = Some(ended.run.figures(scenario)?);
             body.events = Event::all(scenario);
         }
         let mut document = Document::new("ctrl-run", self, inputs, body);
@@ -297,35 +298,17 @@ impl RunArgs {
 }
 
 /// Of single decisions, which differ from run to run.
-pub(super) fn forget_times(ticks: &mut [Tick]) {
+pub(super) fn clear_times(ticks: &mut [Tick]) {
     for tick in ticks {
         tick.step_us = f64::NAN;
     }
-}
-
-fn figures(
-    spec: &RunFile,
-    scenario: &Scenario,
-    run: &LoggedRun,
-) -> anyhow::Result<testbed_sim::Figures> {
-    let undisturbed = if spec.disturbances.is_none() {
-        None
-    } else {
-        let spec = RunFile {
-            disturbances: Disturbances::default(),
-            ..spec.clone()
-        };
-        Some(spec.simulate()?.0)
-    };
-    let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
-    Ok(testbed_sim::Figures::new(scenario, &run.ticks, undisturbed))
 }
 
 #[derive(Serialize)]
 struct Body<'a> {
     scenario: &'a str,
     testbed: &'a str,
-    preset: Option<PresetName>,
+    preset: Option<Preset>,
     seed: u64,
     rate_hz: f64,
     disturbed: bool,

@@ -49,6 +49,7 @@ mod session;
 mod spec;
 mod stamps;
 mod starts;
+mod template;
 mod watch;
 mod words;
 
@@ -63,3 +64,4 @@ pub use pacer::Deadlines;
 pub use report::{Ending, LiveReport, StopSwitch, Update};
 pub use session::Session;
 pub use spec::{CommandsSpec, JsonCommandsSpec, LinkSpec, PosesSpec};
+pub use template::LinkTemplate;

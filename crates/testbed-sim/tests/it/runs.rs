@@ -211,9 +211,9 @@ fn prediction_removes_what_latency_does() {
 /// Clipping after the program is not needed where the limits are rows.
 #[test]
 fn hardened_runs_survive_every_group_of_disturbances() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         for name in testbed.scenarios() {
-            for group in Group::ALL {
+            for &group in Group::ALL {
                 let scenario = testbed.scenario(name, Preset::Hardened).unwrap();
                 let summary = run(scenario, Disturbances::HARD.only(group), 11);
                 assert!(

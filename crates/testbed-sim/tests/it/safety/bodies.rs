@@ -16,7 +16,7 @@ fn built_in(testbed: Testbed, name: &str, preset: Preset) -> ScenarioSpec {
 
 #[test]
 fn hardened_built_in_scenarios_leave_the_clearance_between_bodies() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         for name in testbed.scenarios() {
             let scenario = built_in(testbed, name, Preset::Hardened);
             let clearance_m = scenario.controller.headway.clearance_m;

@@ -79,7 +79,7 @@ fn fast_robots_are_safe_and_their_wheels_do_not_jump() {
 /// With a tenth of the usual acceleration a stop takes several periods.
 #[test]
 fn slow_wheels_do_not_jump_where_a_scenario_stops_a_robot() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         for name in ["stop", "chain"] {
             let mut scenario = testbed.scenario(name, Preset::Hardened).unwrap();
             scenario.body.max_wheel_acceleration_mps2 = Some(0.5);
