@@ -49,3 +49,8 @@ pub use error::Error;
 pub use path_file::PathFile;
 pub use run_file::{LoggedRun, RunFile};
 pub use shadow::{scenario_of, shadow};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

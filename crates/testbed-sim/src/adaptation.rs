@@ -162,7 +162,7 @@ fn tight_bend(demands: &Demands) -> Option<Adaptation> {
 
 fn lane_rates(spec: &ScenarioSpec, demands: &Demands) -> Option<Adaptation> {
     let [set_1ps, driven_1ps] = demands.lane_rate_1ps;
-    (driven_1ps < set_1ps).then(|| Adaptation::LaneRates {
+    (driven_1ps < set_1ps).then_some(Adaptation::LaneRates {
         driven_1ps,
         set_1ps,
         rate_hz: spec.rate_hz,

@@ -71,3 +71,8 @@ pub use summary::Summary;
 pub use tick::Tick;
 pub use timing::Timing;
 pub use verdict::{LeastDistance, Verdict};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -113,7 +113,7 @@ impl<'a> Measured<'a> {
     fn follow(&mut self, robot: usize, seen: StampedPose) {
         // Before the start robots may be carried about.
         if seen.stamp_s < 0.0 {
-            self.tracks.forget(robot);
+            self.tracks.reset(robot);
         }
         let controller = self.scenario.controller();
         let state = seen.pose.state(controller.body().offset_m, Speeds::ZERO);

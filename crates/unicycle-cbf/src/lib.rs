@@ -106,3 +106,8 @@ pub use settings::{
 };
 pub use track::{Located, Tracks};
 pub use unicycle::{Affine, Body, Centripetal, Input, WheelSpeeds};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

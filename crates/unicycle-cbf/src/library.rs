@@ -307,6 +307,15 @@ impl Testbed {
     }
 }
 
+/// Settings without a scenario: those of the Khepera in the thesis's first experiment, with a lane of 0.15 m to each side and a headway
+/// of 1.8 s.
+impl From<Preset> for ControllerSettings {
+    fn from(preset: Preset) -> Self {
+        let testbed = Testbed::Khepera;
+        testbed.controller(&testbed.course("on-off"), preset)
+    }
+}
+
 /// Path, lane, headway and speeds of leader and follower; the leader's start in revolutions or m.
 #[derive(Debug, Clone)]
 struct Course {

@@ -4,6 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs
 )]
@@ -18,3 +19,5 @@ mod recorded;
 mod replay;
 mod robotarium;
 mod shadow;
+#[path = "../../../testbed-sim/tests/it/shared.rs"]
+mod shared;

@@ -5,7 +5,7 @@ use testbed_sim::{Campaign, Disturbances, Group, NamedScenario, RunSpec, Setting
 use unicycle_cbf::{Preset, Testbed};
 
 fn campaign(presets: &[Preset], groups: &[Group], runs: usize) -> Campaign {
-    let of = |preset: &Preset| NamedScenario::built_in(&Testbed::ALL, &[], *preset).unwrap();
+    let of = |preset: &Preset| NamedScenario::built_in(Testbed::ALL, &[], *preset).unwrap();
     Campaign {
         scenarios: presets.iter().flat_map(of).collect(),
         groups: groups.to_vec(),
@@ -64,7 +64,7 @@ fn every_violation_is_counted_and_its_seed_repeats_it() {
     );
     for violation in &report.violations {
         let testbed = Testbed::ALL
-            .into_iter()
+            .iter()
             .find(|t| t.name() == violation.testbed)
             .unwrap();
         let SettingsOf::Preset(preset) = violation.preset else {

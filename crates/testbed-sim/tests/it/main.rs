@@ -4,6 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs
 )]
@@ -14,3 +15,4 @@ mod literal;
 mod random;
 mod runs;
 mod safety;
+mod shared;

@@ -7,7 +7,7 @@ mod crowd;
 mod deadlock;
 mod lane;
 mod meeting;
-mod shared;
+mod once_wrong;
 mod stated;
 mod turning;
 mod wheels;

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use testbed_sim::{RunSpec, Verdict};
 use unicycle_cbf::Preset;
 
+use crate::shared::shared;
+
 const FOLDERS: [&str; 9] = [
     "01-ring-lap",
     "02-standstill",
@@ -16,11 +18,6 @@ const FOLDERS: [&str; 9] = [
     "14-random",
     "17-mine",
 ];
-
-fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases/robots");
-    folder.exists().then_some(folder)
-}
 
 fn scenarios(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap();
@@ -43,7 +40,9 @@ fn spec(file: &Path) -> RunSpec {
 /// All are safe but one, which starts outside its lane and comes back.
 #[test]
 fn scenarios_that_went_wrong_are_safe() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = shared("cases/robots") else {
+        return;
+    };
     for folder in FOLDERS {
         for file in scenarios(&shared.join(folder)) {
             let spec = spec(&file);
