@@ -52,6 +52,7 @@ pub mod run_log;
 pub mod sight;
 mod simulation;
 pub mod summary;
+mod tally;
 pub mod tick;
 pub mod timing;
 pub mod told;

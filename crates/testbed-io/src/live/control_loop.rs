@@ -21,9 +21,6 @@ use super::starts;
 use super::watch::Watch;
 use crate::error::Error;
 
-/// How long robots have to appear before the start, and how long while the other side says that they are getting ready.
-const APPEAR: Duration = Duration::from_secs(60);
-const GETTING_READY: Duration = Duration::from_secs(300);
 /// The user is told whom the session waits for after this time.
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
@@ -103,7 +100,7 @@ impl<'a> ControlLoop<'a> {
             let waited = start.elapsed();
             self.link.is_there(waited.as_secs_f64(), lost_after_s)?;
             let ready_told = self.link.inbox.getting_ready_told();
-            if is_too_long(waited, ready_told) || self.link.has_ended() {
+            if starts::is_too_long(waited, ready_told) || self.link.has_ended() {
                 return Err(starts::not_seen(&missing, &self.link.inbox.counts()));
             }
             if !told && start.elapsed() > WAITING {
@@ -375,34 +372,5 @@ fn command(tick: &Tick) -> Command {
         robot: tick.robot,
         speeds: tick.decision.speeds,
         wheels: tick.decision.wheels,
-    }
-}
-
-/// `ready_told` is how long ago the other side said last that robots are getting ready.
-fn is_too_long(waited: Duration, ready_told: Option<Duration>) -> bool {
-    let getting_ready = ready_told.is_some_and(|told| told < APPEAR);
-    waited > if getting_ready { GETTING_READY } else { APPEAR }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Duration, is_too_long};
-
-    #[test]
-    fn robots_that_get_ready_have_more_time_but_not_for_ever() {
-        let seconds = Duration::from_secs;
-        for (waited_s, told_s, too_long) in [
-            (59, None, false),
-            (61, None, true),
-            (61, Some(1), false),
-            (299, Some(1), false),
-            (301, Some(1), true),
-            // It said so once, and then no more.
-            (59, Some(50), false),
-            (70, Some(65), true),
-        ] {
-            let found = is_too_long(seconds(waited_s), told_s.map(seconds));
-            assert_eq!(found, too_long, "{waited_s} s, told {told_s:?} s ago");
-        }
     }
 }

@@ -74,7 +74,7 @@ fn tables_that_are_no_run_logs_are_refused() {
     assert!(error.contains("no column `force_n` of numbers"), "{error}");
     let other = log_file::LogTable::new("{\"a\": 1}", columns).unwrap();
     let error = other.run_log().unwrap_err().to_string();
-    assert!(error.contains("is it one of `ctrl run`?"), "{error}");
+    assert!(error.contains("the settings in the run log: "), "{error}");
 }
 
 #[test]
