@@ -1,4 +1,4 @@
-//! What the user of a session should know, as data; [`super::words`] puts it into sentences.
+//! What the user of a session should know, as data; its `Display` puts it into sentences.
 
 use super::counts::Dropped;
 
