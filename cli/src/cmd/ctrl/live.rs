@@ -78,29 +78,14 @@ impl LiveArgs {
         spec.link = Some(link.with_context(|| format!("link `{}`", file.display()))?);
         Ok(())
     }
-
-    pub(crate) fn session<'a>(
-        &self,
-        spec: &'a RunFile,
-        link: &'a LinkSpec,
-        scenario: &'a Scenario,
-        log: Option<&'a Path>,
-    ) -> LiveSession<'a> {
-        LiveSession {
-            spec,
-            session: Session { scenario, link },
-            log,
-            view: self.view,
-        }
-    }
 }
 
 /// A session, and what is made of it on the way.
 pub(crate) struct LiveSession<'a> {
-    spec: &'a RunFile,
-    session: Session<'a>,
-    log: Option<&'a Path>,
-    view: Option<SocketAddr>,
+    pub(crate) spec: &'a RunFile,
+    pub(crate) session: Session<'a>,
+    pub(crate) log: Option<&'a Path>,
+    pub(crate) view: Option<SocketAddr>,
 }
 
 impl LiveSession<'_> {

@@ -1,9 +1,10 @@
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
-use testbed_io::live::{LinkSpec, LiveReport};
+use testbed_io::live::{LinkSpec, LiveReport, Session};
 use testbed_io::log_file::{self, LogFormat};
 use testbed_io::{LoggedRun, RunFile};
 use testbed_sim::figures::Event;
@@ -12,7 +13,7 @@ use unicycle_cbf::{Demands, Preset, Scenario};
 
 use super::beyond;
 use super::check;
-use super::live::{self, LiveArgs};
+use super::live::{self, LiveArgs, LiveSession};
 use super::names::named;
 use super::run_text::{text, why_not_known};
 use super::scenario::{Named, ScenarioArgs};
@@ -114,12 +115,19 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     for note in notes {
         output::note(context, &note);
     }
-    let format = args.output.as_deref().map(LogFormat::from_path);
-    format.transpose()?;
-    let ended = args.ended(&named.spec, &scenario, context)?;
-    let shown = args
-        .save(&ended.run, context)
-        .and_then(|()| args.show(&named, &inputs, &scenario, &ended, context));
+    let outputs = args.outputs()?;
+    let ended = ended(&named.spec, &scenario, &outputs, context)?;
+    let shown = outputs.save(&ended.run, context).and_then(|()| {
+        let mut body = Body::new(&named, &ended);
+        if outputs.report.is_some() {
+            body.figures = Some(ended.run.figures(&scenario)?);
+            body.events = Event::all(&scenario);
+        }
+        let mut document = Document::new("ctrl-run", args, &inputs, body);
+        let judged = document.judged(&args.require)?;
+        outputs.show(document, &text(&named, &ended), context)?;
+        Ok(judged)
+    });
     // Robots that may still move are worse than a file that cannot be written.
     let outcome = ended.outcome()?;
     let judged = shown?;
@@ -182,37 +190,6 @@ impl RunArgs {
         Ok(named)
     }
 
-    fn ended(
-        &self,
-        spec: &RunFile,
-        scenario: &Scenario,
-        context: &Context,
-    ) -> anyhow::Result<Ended> {
-        let (run, summary, live) = match &spec.link {
-            None => {
-                let (mut run, summary) = spec.simulate()?;
-                if context.no_times {
-                    clear_times(&mut run.ticks);
-                } else if self.is_mcap() {
-                    run.started_unix_s = Some(live::unix_now_s());
-                }
-                (run, summary, None)
-            }
-            Some(link) => {
-                let log = self.output.as_deref();
-                let session = self.live.session(spec, link, scenario, log);
-                let (run, summary, live) = session.run(context)?;
-                (run, summary, Some(live))
-            }
-        };
-        Ok(Ended {
-            timing: Timing::new(&run.ticks, scenario.controller().hold_s()),
-            run,
-            summary,
-            live,
-        })
-    }
-
     /// Scenario, path, link, and the run log whose poses a link plays; none of them is written.
     fn inputs(&self, named: &Named) -> anyhow::Result<FileInputs> {
         let link = named.spec.link.as_ref();
@@ -238,18 +215,68 @@ impl RunArgs {
         FileInputs::read(files)
     }
 
-    fn is_mcap(&self) -> bool {
-        let format = self.output.as_deref().map(LogFormat::from_path);
-        matches!(format, Some(Ok(LogFormat::Mcap)))
+    fn outputs(&self) -> anyhow::Result<Outputs> {
+        let log = self.output.as_ref().map(|path| {
+            let format = LogFormat::from_path(path)?;
+            anyhow::Ok((path.clone(), format))
+        });
+        Ok(Outputs {
+            log: log.transpose()?,
+            report: self.report.clone(),
+            view: self.live.view,
+        })
     }
+}
 
+/// Where a run goes beside the terminal.
+struct Outputs {
+    log: Option<(PathBuf, LogFormat)>,
+    report: Option<PathBuf>,
+    view: Option<SocketAddr>,
+}
+
+fn ended(
+    spec: &RunFile,
+    scenario: &Scenario,
+    outputs: &Outputs,
+    context: &Context,
+) -> anyhow::Result<Ended> {
+    let (run, summary, live) = match &spec.link {
+        None => {
+            let (mut run, summary) = spec.simulate()?;
+            if context.no_times {
+                clear_times(&mut run.ticks);
+            } else if matches!(outputs.log, Some((_, LogFormat::Mcap))) {
+                run.started_unix_s = Some(live::unix_now_s());
+            }
+            (run, summary, None)
+        }
+        Some(link) => {
+            let session = LiveSession {
+                spec,
+                session: Session { scenario, link },
+                log: outputs.log.as_ref().map(|(path, _)| path.as_path()),
+                view: outputs.view,
+            };
+            let (run, summary, live) = session.run(context)?;
+            (run, summary, Some(live))
+        }
+    };
+    Ok(Ended {
+        timing: Timing::new(&run.ticks, scenario.controller().hold_s()),
+        run,
+        summary,
+        live,
+    })
+}
+
+impl Outputs {
     fn save(&self, run: &LoggedRun, context: &Context) -> anyhow::Result<()> {
-        let Some(path) = &self.output else {
+        let Some((path, format)) = &self.log else {
             return Ok(());
         };
-        let format = LogFormat::from_path(path)?;
         let table = run.to_table()?;
-        output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
+        output::write_file(path, |out| Ok(log_file::write(&table, *format, out)?))?;
         output::note(context, &format!("run log written to {}", path.display()));
         if run.spec.link.is_some() {
             live::remove_journal(path);
@@ -258,42 +285,27 @@ impl RunArgs {
     }
 
     /// Report and document.
-    fn show(
+    fn show<C: Serialize>(
         &self,
-        named: &Named,
-        inputs: &FileInputs,
-        scenario: &Scenario,
-        ended: &Ended,
+        mut document: Document<'_, C, Body<'_>>,
+        text: &str,
         context: &Context,
-    ) -> anyhow::Result<Outcome> {
-        let mut body = Body::new(named, ended);
-        if self.report.is_some() {
-            body.figures = Some(ended.run.figures(scenario)?);
-            body.events = Event::all(scenario);
-        }
-        let mut document = Document::new("ctrl-run", self, inputs, body);
-        let outcome = document.judged(&self.require)?;
+    ) -> anyhow::Result<()> {
         if let Some(path) = &self.report {
             let page = report::CONTROL.filled(&serde_json::to_value(&document)?);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
             document.body.figures = None;
         }
-        let text = text(named, ended);
-        if named
-            .spec
-            .link
-            .as_ref()
-            .is_some_and(LinkSpec::writes_to_stdout)
-        {
-            output::note(context, &text);
-            return Ok(outcome);
+        let link = document.body.spec.link.as_ref();
+        if link.is_some_and(LinkSpec::writes_to_stdout) {
+            output::note(context, text);
+            return Ok(());
         }
         match context.format {
-            Format::Json => output::print_json(&document)?,
-            Format::Text => output::print_text(&text)?,
+            Format::Json => output::print_json(&document),
+            Format::Text => output::print_text(text),
         }
-        Ok(outcome)
     }
 }
 
