@@ -17,7 +17,6 @@ mod progress;
 mod render;
 mod require;
 mod temporary;
-mod view;
 mod words;
 
 use std::ffi::OsString;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 14] = [
     ("parquet-table", &[]),
     ("drive-log", &["parquet-table"]),
     ("tseg", &[]),
@@ -18,7 +18,12 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ),
     ("report", &[]),
     ("unicycle-cbf", &[]),
-    ("testbed-io", &["parquet-table", "unicycle-cbf"]),
+    ("testbed-sim", &["unicycle-cbf"]),
+    (
+        "testbed-io",
+        &["parquet-table", "testbed-sim", "unicycle-cbf"],
+    ),
+    ("live-view", &["report", "testbed-sim", "unicycle-cbf"]),
     (
         "drivekit",
         &[
@@ -27,9 +32,11 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "driver-eval",
             "driver-model",
             "ev-energy",
+            "live-view",
             "report",
             "svr",
             "testbed-io",
+            "testbed-sim",
             "tseg",
             "unicycle-cbf",
         ],

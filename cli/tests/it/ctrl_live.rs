@@ -171,7 +171,7 @@ fn signals_stop_the_robots_and_leave_a_whole_log() {
         let asked = Instant::now();
         signal(&child, name);
         while !robots.stand() {
-            assert!(asked.elapsed() < Duration::from_millis(500));
+            assert!(asked.elapsed() < Duration::from_secs(10));
             std::thread::sleep(Duration::from_millis(1));
         }
         assert_eq!(child.wait().unwrap().code(), Some(0), "{name}");

@@ -14,6 +14,22 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A scenario file that cannot be opened or read.
+    #[error("cannot read the scenario `{}`", path.display())]
+    ReadScenario {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A scenario file that holds no scenario.
+    #[error("scenario `{}`", path.display())]
+    ScenarioFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: Box<toml::de::Error>,
+    },
     /// The output could not be written.
     #[error("the run log cannot be written: {source}; is there space left?")]
     Write {
@@ -60,45 +76,19 @@ pub enum Error {
         /// What was looked for.
         expected: &'static str,
     },
-    /// A disturbance out of its range.
-    #[error(
-        "disturbance `{name}` is {value}; it must be from 0 to {most}, in the unit of its name: m, rad, s, m/s, and shares as 0.1 for 10 %"
-    )]
-    Disturbance {
-        /// Name of the setting.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// Largest allowed value.
-        most: f64,
-    },
-    /// A scenario that cannot be.
-    #[error("scenario: {0}")]
-    Scenario(#[from] unicycle_cbf::Error),
-    /// One of several scenarios that cannot be.
-    #[error("scenario `{name}`: {source}")]
-    NamedScenario {
-        /// Its name or file.
-        name: String,
-        /// What is wrong with it.
-        source: unicycle_cbf::Error,
-    },
+    /// What cannot be run.
+    #[error(transparent)]
+    Run(#[from] testbed_sim::Error),
     /// The settings in a run log are none.
-    #[error("the settings in the run log: {0}; is it one of `ctrl run`?")]
+    #[error("the settings in the run log: {0}")]
     Meta(String),
     /// A run log lacks a column or has it with another type.
-    #[error("the run log has no column `{name}` of {kind}; is it one of `ctrl run`?")]
+    #[error("the run log has no column `{name}` of {kind}")]
     MissingColumn {
         /// The column.
         name: &'static str,
         /// Its type.
         kind: &'static str,
-    },
-    /// Ticks of a run log that are not in the order in which they were decided.
-    #[error("the run log is not in order at step {step}; replay it as it was written")]
-    Order {
-        /// The first step that is not.
-        step: usize,
     },
     /// A scenario for another number of robots.
     #[error(

@@ -1,66 +1,56 @@
-//! Robot testbeds: simulated robots under disturbances, campaigns of runs, run logs and their replay, recorded poses, and real robots
-//! in real time ([`live`]).
+//! Robot testbeds: run logs in files, recorded poses, and real robots in real time ([`live`]).
 //!
 //! ```text
-//! RunSpec ─simulate→ Plant ─Link→ poses ─Convoy→ Decisions ─→ Plant …     every tick into Run ─to_table→ LogTable ─write→ file
-//! file ─read→ LogTable ─from_table→ RunLog ─replay→ Replay                 every decision once more, bit for bit
-//! Recording ─shadow→ ticks                                                 controllers beside robots that do what they did
-//! Campaign ─run→ CampaignReport                                            thousands of runs in parallel
+//! RunFile ─simulate→ LoggedRun ─to_table→ LogTable ─write→ file
+//! file ─read→ LogTable ─run_log→ RunLog ─replay→ Replay                   every decision once more, bit for bit
+//! Recording ─shadow→ ticks                                                controllers beside robots that do what they did
+//! LinkSpec ─Session→ poses ─Convoy→ Decisions ─→ robots                   at a fixed rate, every step as an Update
 //! ```
 //!
-//! A run follows from its [`RunSpec`] alone: scenario, disturbances and seed. It stands in every run log.
+//! What knows no file and no socket, the simulated robots, verdicts and the replay, is the crate `testbed-sim`. The principal type is
+//! [`RunFile`]: it is what scenario files hold, and stands in every run log, so that a log is replayed without anything else.
 //!
 //! ```
-//! use testbed_io::{Disturbances, Group, RunSpec};
+//! use testbed_io::RunFile;
+//! use testbed_io::log_file::{LogFormat, read_bytes, write};
+//! use testbed_sim::Disturbances;
 //! use unicycle_cbf::{Preset, Testbed};
 //!
 //! let mut scenario = Testbed::Robotarium.scenario("track", Preset::Hardened)?;
-//! scenario.duration_s = 5.0;
-//! let disturbances = Disturbances::HARD.only(Group::All);
-//! let (run, summary) = RunSpec { seed: 7, scenario, disturbances, link: None }.simulate()?;
-//! assert_eq!(run.ticks.len(), 2 * 150);
-//! assert_eq!(summary.safe, Some(true));
+//! scenario.duration_s = 2.0;
+//! let spec = RunFile { seed: 7, scenario, disturbances: Disturbances::HARD, link: None };
+//! let (run, _) = spec.simulate()?;
+//! let mut bytes = Vec::new();
+//! write(&run.to_table()?, LogFormat::Mcap, &mut bytes)?;
+//!
+//! let replay = read_bytes(&bytes, LogFormat::Mcap)?.run_log()?.replay()?;
+//! assert_eq!((replay.decisions, replay.different), (2 * 60, 0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # References
+//!
+//! - MCAP file format, <https://mcap.dev/spec>; NatNet SDK, NaturalPoint; MQTT 3.1.1, OASIS Standard, 2014.
+//! - K. Y. K. Leung, Y. Halpern, T. D. Barfoot, H. H. T. Liu, "The UTIAS multi-robot cooperative localization and mapping dataset",
+//!   International Journal of Robotics Research 30(8), 2011.
 
-mod campaign;
-mod convoy;
-mod disturbances;
 mod error;
-mod figures;
-mod holds;
-mod link;
 pub mod live;
 pub mod log_file;
-mod measured;
 mod path_file;
-mod plant;
 pub mod recorded;
-mod replay;
-mod right_of_way;
-mod run_log;
+mod run_file;
+mod run_table;
 mod shadow;
-mod sight;
-mod simulation;
-mod summary;
-mod tick;
-mod timing;
-mod verdict;
 
-pub use campaign::{
-    Campaign, CampaignReport, Histogram, Histograms, NamedScenario, Row, SettingsOf, Tally, Total,
-    Violation,
-};
-pub use convoy::Convoy;
-pub use disturbances::{Disturbances, Group};
+use testbed_sim::timing;
+
 pub use error::Error;
-pub use figures::{Event, Figures};
 pub use path_file::PathFile;
-pub use replay::{Difference, Replay};
-pub use run_log::{LoggedTick, Run, RunLog, RunSpec};
+pub use run_file::{LoggedRun, RunFile};
 pub use shadow::{scenario_of, shadow};
-pub use simulation::Simulation;
-pub use summary::{Outcomes, Summarising, Summary, outcomes_of};
-pub use tick::{Tick, Truth, Watched};
-pub use timing::Timing;
-pub use verdict::{LeastDistance, Verdict};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

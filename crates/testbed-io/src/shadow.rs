@@ -1,16 +1,16 @@
 //! Controllers beside recorded motion: they decide at every step, and the robots do what they did.
 
+use testbed_sim::summary::Summarising;
+use testbed_sim::tick::Truth;
+use testbed_sim::verdict::safeties;
+use testbed_sim::{Convoy, Summary, Tick};
 use unicycle_cbf::{
     ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
     State, Testbed, Tracks,
 };
 
-use crate::convoy::Convoy;
 use crate::error::Error;
 use crate::recorded::{RecordedPose, RecordedRobot, Recording};
-use crate::summary::{Summarising, Summary};
-use crate::tick::{Tick, Truth};
-use crate::verdict::safeties;
 
 /// Span over which speeds are measured, in s.
 const SPEED_SPAN_S: f64 = 0.2;

@@ -1,5 +1,7 @@
 //! What the controller decided in one step, and why.
 
+use strum::IntoStaticStr;
+
 use crate::cbf::LaneBarriers;
 use crate::lateral::Lateral;
 use crate::lie::Lie;
@@ -9,7 +11,8 @@ use crate::rows::{RowKind, Rows};
 use crate::unicycle::{Body, Input, WheelSpeeds};
 
 /// The rung of the ladder on which a step ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[must_use]
 pub enum Outcome {
     /// Every row holds
@@ -29,7 +32,8 @@ pub enum Outcome {
 }
 
 /// Why a robot is stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Brake {
     /// The scenario asks for it
     Asked,
@@ -55,11 +59,7 @@ impl Outcome {
     /// The rung in one word.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Optimal => "optimal",
-            Self::Relaxed { .. } => "relaxed",
-            Self::Braking { .. } => "braking",
-        }
+        self.into()
     }
 }
 
@@ -67,17 +67,7 @@ impl Brake {
     /// As in documents.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Asked => "asked",
-            Self::Infeasible => "infeasible",
-            Self::NoPose => "no-pose",
-            Self::StalePose => "stale-pose",
-            Self::LeaderLost => "leader-lost",
-            Self::Deadlock => "deadlock",
-            Self::Held => "held",
-            Self::NotFinite => "not-finite",
-            Self::Solver => "solver",
-        }
+        self.into()
     }
 }
 

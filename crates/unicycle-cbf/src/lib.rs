@@ -63,6 +63,7 @@ mod crossing;
 mod decision;
 mod demands;
 mod error;
+mod guards;
 mod ladder;
 mod lateral;
 mod library;
@@ -90,6 +91,7 @@ pub use crossing::{Crossing, Span};
 pub use decision::{Brake, Decision, Outcome, Terms};
 pub use demands::Demands;
 pub use error::Error;
+pub use guards::MissingGuard;
 pub use lateral::{Course, Deviation, Lateral, Progress};
 pub use library::Testbed;
 pub use lie::Lie;
@@ -104,3 +106,8 @@ pub use settings::{
 };
 pub use track::{Located, Tracks};
 pub use unicycle::{Affine, Body, Centripetal, Input, WheelSpeeds};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,5 +1,8 @@
 //! The built-in scenarios: the five runs of the thesis (Table 4.1) and those that go beyond it.
 
+use serde::Serialize;
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
+
 use crate::cbf::LaneBarrier;
 use crate::error::Error;
 use crate::lateral::Deviation;
@@ -10,25 +13,35 @@ use crate::settings::{
 use crate::unicycle::{Body, Centripetal};
 
 /// The robots that the thesis used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Serialize,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Testbed {
-    /// Khepera III under an OptiTrack system, 50 Hz
+    /// Khepera III under OptiTrack, 50 Hz
     Khepera,
-    /// GRITSBots of the Robotarium, 30 Hz
+    /// Robotarium, 30 Hz
     Robotarium,
 }
 
 impl Testbed {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Khepera, Self::Robotarium];
+    pub const ALL: &'static [Self] = Self::VARIANTS;
 
     /// As in files.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Khepera => "khepera",
-            Self::Robotarium => "robotarium",
-        }
+        self.into()
     }
 
     /// Names of its scenarios, those of the thesis first.
@@ -291,6 +304,15 @@ impl Testbed {
             hardening: Hardening::NONE,
             literal: Vec::new(),
         }
+    }
+}
+
+/// Settings without a scenario: those of the Khepera in the thesis's first experiment, with a lane of 0.15 m to each side and a headway
+/// of 1.8 s.
+impl From<Preset> for ControllerSettings {
+    fn from(preset: Preset) -> Self {
+        let testbed = Testbed::Khepera;
+        testbed.controller(&testbed.course("on-off"), preset)
     }
 }
 

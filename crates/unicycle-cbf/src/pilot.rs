@@ -86,9 +86,9 @@ impl Pilot {
     pub fn observe(&mut self, controller: &Controller, seen: StampedPose) {
         let hardening = &controller.settings().hardening;
         let gains = [hardening.position_gain, hardening.heading_gain];
-        let forget_after_s = hardening.max_pose_age_s.unwrap_or(f64::INFINITY);
+        let restart_after_s = hardening.max_pose_age_s.unwrap_or(f64::INFINITY);
         if seen.pose.is_finite() && seen.stamp_s.is_finite() {
-            self.predictor.observe(seen, gains, forget_after_s);
+            self.predictor.observe(seen, gains, restart_after_s);
         }
     }
 

@@ -60,11 +60,11 @@ impl Predictor {
     }
 
     /// Takes a pose in. One that is not newer than the last is ignored; the first, and one that comes more than
-    /// `forget_after_s` after the last, is taken as it is.
-    pub fn observe(&mut self, seen: StampedPose, gains: [f64; 2], forget_after_s: f64) {
+    /// `restart_after_s` after the last, is taken as it is.
+    pub fn observe(&mut self, seen: StampedPose, gains: [f64; 2], restart_after_s: f64) {
         let corrected = match self.estimate {
             Some(last) if seen.stamp_s <= last.stamp_s => return,
-            Some(last) if seen.stamp_s - last.stamp_s <= forget_after_s => {
+            Some(last) if seen.stamp_s - last.stamp_s <= restart_after_s => {
                 self.corrected(last, seen, gains)
             }
             _ => seen.pose,

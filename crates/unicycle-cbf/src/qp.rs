@@ -384,7 +384,11 @@ mod tests {
             for a in [0.0, 5e-324, 1e-300, 1e-160, 1.0, 1e160, f64::MAX] {
                 for b in [0.0, -5e-324, -1e-300, -1.0, -1e160, f64::MIN] {
                     let rows = [Row { a: [a, 1.0], b }, Row { a: [a, a], b: -b }];
-                    let _ = solve(&[weight, 1.0], &rows).status;
+                    let solution = solve(&[weight, 1.0], &rows);
+                    let is_finite = solution.z.iter().all(|z| z.is_finite());
+                    let are_multipliers = solution.multipliers.iter().all(|l| *l >= 0.0);
+                    assert!(is_finite && are_multipliers, "{weight:e} {rows:?}");
+                    assert_ne!(solution.status, Status::TooManyRows);
                 }
             }
         }

@@ -1,20 +1,25 @@
 //! The rows of the quadratic program, each with what it stands for.
 
 use serde::Serialize;
+use strum::IntoStaticStr;
 
 use crate::lie::Lie;
 use crate::qp::{MAX_ROWS, Row};
 use crate::unicycle::Affine;
 
 /// What a row asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, IntoStaticStr)]
 #[serde(into = "&'static str")]
+#[strum(serialize_all = "kebab-case")]
 pub enum RowKind {
     /// `V1`, the desired speed
+    #[strum(to_string = "V1")]
     Speed,
     /// `V2`, no turning
+    #[strum(to_string = "V2")]
     TurnRate,
     /// `V3`, the path
+    #[strum(to_string = "V3")]
     Tracking,
     /// Distance to the robot ahead as it moves
     Headway,
@@ -35,12 +40,16 @@ pub enum RowKind {
     /// Direction of travel
     Direction,
     /// Left wheel forward
+    #[strum(to_string = "left-wheel-forward")]
     LeftForward,
     /// Left wheel backward
+    #[strum(to_string = "left-wheel-backward")]
     LeftBackward,
     /// Right wheel forward
+    #[strum(to_string = "right-wheel-forward")]
     RightForward,
     /// Right wheel backward
+    #[strum(to_string = "right-wheel-backward")]
     RightBackward,
     /// Turn rate to the left
     TurnLeft,
@@ -63,38 +72,13 @@ impl RowKind {
     /// As in documents.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Speed => "V1",
-            Self::TurnRate => "V2",
-            Self::Tracking => "V3",
-            Self::Headway => "headway",
-            Self::HeadwayStopped => "headway-stopped",
-            Self::Apart => "apart",
-            Self::Point => "point",
-            Self::GiveWay => "give-way",
-            Self::Lane => "lane",
-            Self::LaneRight => "lane-right",
-            Self::LaneLeft => "lane-left",
-            Self::Direction => "direction",
-            Self::LeftForward => "left-wheel-forward",
-            Self::LeftBackward => "left-wheel-backward",
-            Self::RightForward => "right-wheel-forward",
-            Self::RightBackward => "right-wheel-backward",
-            Self::TurnLeft => "turn-left",
-            Self::TurnRight => "turn-right",
-        }
+        self.into()
     }
 
     /// Whether the ladder may relax it.
     #[must_use]
     pub fn is_lane(self) -> bool {
         matches!(self, Self::Lane | Self::LaneRight | Self::LaneLeft)
-    }
-}
-
-impl From<RowKind> for &'static str {
-    fn from(kind: RowKind) -> Self {
-        kind.name()
     }
 }
 

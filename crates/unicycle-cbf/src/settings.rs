@@ -1,6 +1,7 @@
 //! Settings of the controller, the presets, and the literal forms of the thesis.
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
 use crate::cbf::LaneBarrier;
 use crate::error::Error;
@@ -145,10 +146,24 @@ pub enum Literal {
 }
 
 /// Named sets of settings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Preset {
-    /// The quadratic program of the thesis with margins set by hand
+    /// The quadratic program of the thesis, margins set by hand
     #[default]
     Thesis,
     /// With every guard
@@ -214,10 +229,7 @@ impl Preset {
     /// As in files.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Thesis => "thesis",
-            Self::Hardened => "hardened",
-        }
+        self.into()
     }
 }
 

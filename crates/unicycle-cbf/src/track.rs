@@ -60,7 +60,7 @@ impl Tracks {
     }
 
     /// Nothing is known any more of where a robot was.
-    pub fn forget(&mut self, robot: usize) {
+    pub fn reset(&mut self, robot: usize) {
         let track = &mut self.0[robot];
         track.last = None;
         track.has_headway = true;

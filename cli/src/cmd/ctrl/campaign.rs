@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use super::beyond;
 use super::check;
-use super::scenario::{Disturbance, PresetName, TestbedName};
+use super::names::named;
 use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
@@ -16,8 +16,9 @@ use crate::require::{Figures, RequireArgs};
 use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
-use testbed_io::{Campaign, CampaignReport, Disturbances, Group, SettingsOf, Tally, Violation};
-use unicycle_cbf::{Demands, Scenario};
+use testbed_sim::campaign::{Tally, Violation};
+use testbed_sim::{Campaign, CampaignReport, Disturbances, Group, SettingsOf};
+use unicycle_cbf::{Demands, Preset, Scenario, Testbed};
 
 /// Thousands of seeded runs under disturbances, and which of them were unsafe
 ///
@@ -32,24 +33,24 @@ Examples:
   drivekit ctrl campaign --scenario mine.toml others/ --preset hardened     files, and folders of them")]
 pub(crate) struct CampaignArgs {
     /// Which robots of built-in scenarios; all if left out
-    #[arg(long, value_enum, value_delimiter = ',')]
-    testbed: Vec<TestbedName>,
+    #[arg(long, value_parser = named::<Testbed>(), value_delimiter = ',')]
+    testbed: Vec<Testbed>,
     /// Built-in scenarios by name, scenario files, and folders, which are searched to the bottom for files; every built-in scenario if
     /// left out
     #[arg(long, value_delimiter = ',', num_args = 1.., value_name = "NAME|FILE.toml|FOLDER")]
     scenario: Vec<String>,
     /// Settings of the controllers [default: hardened; scenario files as they are]
-    #[arg(long, value_enum, value_delimiter = ',')]
-    preset: Vec<PresetName>,
+    #[arg(long, value_parser = named::<Preset>(), value_delimiter = ',')]
+    preset: Vec<Preset>,
     /// Disturbances, each a row of the table
     #[arg(
         long,
-        value_enum,
+        value_parser = named::<Group>(),
         value_delimiter = ',',
         default_value = "all",
         value_name = "GROUP"
     )]
-    disturb: Vec<Disturbance>,
+    disturb: Vec<Group>,
     /// Runs for each preset and group of disturbances
     #[arg(long, default_value_t = 1000, value_parser = numbers::runs, value_name = "N")]
     runs: usize,
@@ -100,7 +101,7 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     let violations = report.violations.iter();
     let body = Body {
         seed: args.seed,
-        duration_s: duration_s(&campaign),
+        duration_s: campaign.common_duration_s(),
         report: &report,
         refused,
         violations: violations.map(|v| Listed::new(v, args.duration)).collect(),
@@ -129,7 +130,7 @@ impl CampaignArgs {
     fn campaign(&self, context: &Context) -> anyhow::Result<(Campaign, Vec<Refused>)> {
         let wanted = Wanted {
             scenarios: &self.scenario,
-            testbeds: self.testbed.iter().map(|name| (*name).into()).collect(),
+            testbeds: &self.testbed,
             presets: &self.preset,
             duration_s: self.duration,
         };
@@ -152,7 +153,7 @@ impl CampaignArgs {
         }
         let campaign = Campaign {
             scenarios,
-            groups: self.disturb.iter().map(|name| (*name).into()).collect(),
+            groups: self.disturb.clone(),
             runs: self.runs,
             seed: self.seed,
             disturbances: Disturbances::HARD,
@@ -166,8 +167,8 @@ impl CampaignArgs {
     fn beyond(&self, scenario: &Scenario) -> Option<String> {
         let demands = Demands::new(scenario);
         let stated = &scenario.spec().controller.hardening;
-        let mut groups = self.disturb.iter().map(|name| Group::from(*name));
-        groups.find_map(|group| beyond::note(&Disturbances::HARD.only(group), stated, &demands))
+        let mut groups = self.disturb.iter();
+        groups.find_map(|group| beyond::note(&Disturbances::HARD.only(*group), stated, &demands))
     }
 }
 
@@ -185,15 +186,6 @@ fn campaign_files(campaign: &Campaign) -> Vec<PathBuf> {
         }
     }
     files
-}
-
-/// Of each run, if all are as long.
-fn duration_s(campaign: &Campaign) -> Option<f64> {
-    let mut durations_s = campaign.scenarios.iter().map(|named| named.spec.duration_s);
-    let first_s = durations_s.next()?;
-    durations_s
-        .all(|duration_s| duration_s.total_cmp(&first_s).is_eq())
-        .then_some(first_s)
 }
 
 #[derive(Serialize)]

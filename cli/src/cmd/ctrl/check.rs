@@ -1,11 +1,11 @@
 use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
-use unicycle_cbf::{Demands, Scenario, ScenarioSpec};
+use testbed_sim::Adaptation;
+use unicycle_cbf::{ControllerSettings, Demands, Preset, Scenario, ScenarioSpec};
 
 use super::beyond;
-use super::guards;
-use super::scenario::{PresetName, ScenarioArgs};
+use super::scenario::ScenarioArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
@@ -54,7 +54,7 @@ pub(super) struct Refused<'a> {
 pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
         .check(&Figures::new(include_str!("../../figures/ctrl-check.txt")))?;
-    let named = args.scenario.named(PresetName::Hardened)?;
+    let named = args.scenario.named(Preset::Hardened)?;
     named.spec.disturbances.check().context("disturbances")?;
     let spec = &named.spec.scenario;
     let scenario = match fitting(spec)? {
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     let stated = &spec.controller.hardening;
     notes.extend(beyond::note(&named.spec.disturbances, stated, &demands));
     if !demands.is_guaranteed {
-        notes.extend(guards::missing(&spec.controller));
+        notes.extend(missing_guards(&spec.controller));
     }
     let body = Body {
         scenario: &spec.name,
@@ -120,97 +120,18 @@ pub(super) fn fitting(spec: &ScenarioSpec) -> anyhow::Result<Result<Scenario, St
 
 /// What a run does otherwise than its scenario says, or takes where it says nothing.
 pub(super) fn notes(spec: &ScenarioSpec, demands: &Demands) -> Vec<String> {
-    let (body, mm) = (&spec.body, |m: f64| number(1e3 * m, 1));
-    let mut notes = Vec::new();
-    if body.radius_m.is_none() {
-        let taken = number(body.radius_m(), 3);
-        notes.push(format!("the body's radius is not given; {taken} m about the middle of the axle is taken (`radius_m` under [scenario.body])"));
+    let adaptations = Adaptation::all(spec, demands);
+    adaptations.iter().map(ToString::to_string).collect()
+}
+
+/// A line for each guard of the hardened preset that settings do not have, and one that says how to get them all.
+pub(super) fn missing_guards(settings: &ControllerSettings) -> Vec<String> {
+    let missing = settings.missing_guards();
+    let mut lines: Vec<String> = missing.iter().map(ToString::to_string).collect();
+    if !lines.is_empty() {
+        lines.push("`--preset hardened` gives every guard".to_owned());
     }
-    if body.max_wheel_acceleration_mps2.is_none() && spec.controller.hardening.wheel_rows {
-        let taken = number(body.wheel_acceleration_mps2(), 1);
-        notes.push(format!("how fast wheels change their speed is not given; {taken} m/s² is taken (`max_wheel_acceleration_mps2` under [scenario.body])"));
-    }
-    if demands.largest_start_m > demands.half_width_m {
-        notes.push(format!(
-            "a robot starts {} mm beside the path, outside of its lane of {} mm: the run is unsafe from its start",
-            mm(demands.largest_start_m),
-            mm(demands.half_width_m)
-        ));
-    }
-    let agile_mps = demands.agile_wheel_speed_mps;
-    if let Some(agile_mps) = agile_mps.filter(|mps| *mps < demands.wheel_limit_mps) {
-        notes.push(format!(
-            "wheels that change their speed by {} m/s² and a turn rate of {} rad/s turn the robot fast enough for this lane, its bends and the stated errors up to {} m/s, and not at {} m/s",
-            number(body.wheel_acceleration_mps2(), 2),
-            number(body.max_turn_rate_rad_s, 2),
-            number(agile_mps, 3),
-            number(demands.wheel_limit_mps, 3),
-        ));
-    }
-    let errors_fit = demands.margin_m >= demands.margin_at_full_speed_m;
-    if demands.driven_wheel_limit_mps < demands.wheel_limit_mps && !errors_fit {
-        notes.push(format!(
-            "wheels go at {} m/s at most, and not at {} m/s: then the stated errors of poses and wheels would take {} mm of the half width of {} mm; now they take {} mm",
-            number(demands.driven_wheel_limit_mps, 3),
-            number(demands.wheel_limit_mps, 3),
-            mm(demands.margin_at_full_speed_m),
-            mm(demands.half_width_m),
-            mm(demands.margin_m),
-        ));
-    }
-    if let Some(bend_m) = demands.tight_bend_m {
-        let kept = if demands.kept_within_m < bend_m {
-            format!(
-                "robots are kept within {} mm of the path",
-                mm(demands.kept_within_m)
-            )
-        } else {
-            "on its inner side the nearest point of the path may jump".to_owned()
-        };
-        notes.push(format!(
-            "the lane is wider than the path's tightest bend, whose radius is {} mm; {kept}",
-            mm(bend_m)
-        ));
-    }
-    let [set_1ps, driven_1ps] = demands.lane_rate_1ps;
-    if driven_1ps < set_1ps {
-        notes.push(format!(
-            "the lane's rates are {} % of those set: a command is held for {} ms",
-            number(100.0 * driven_1ps / set_1ps, 0),
-            number(1e3 / spec.rate_hz, 0)
-        ));
-    }
-    let several = spec.robots.len() > 1;
-    if several && demands.driven_standstill_m > demands.standstill_m {
-        notes.push(format!(
-            "the standstill gap is {} mm, and not {} mm: both radii and the clearance",
-            mm(demands.driven_standstill_m),
-            mm(demands.standstill_m)
-        ));
-    }
-    if several && demands.crossings > 0 {
-        notes.push(format!(
-            "the path meets itself at {} place(s): one robot at a time goes through, in the order in which they came",
-            demands.crossings
-        ));
-    }
-    if several && demands.along_path_instead {
-        notes.push(
-            "the headway is measured along the path, and not as a chord: the path meets itself"
-                .to_owned(),
-        );
-    }
-    if let Some([set_rad, driven_rad]) = demands
-        .course_angle_rad
-        .filter(|[set, driven]| driven < set)
-    {
-        notes.push(format!(
-            "robots stay within {}° of the path's direction, and not {}°, so that branches are told apart where they meet",
-            number(driven_rad.to_degrees(), 0),
-            number(set_rad.to_degrees(), 0)
-        ));
-    }
-    notes
+    lines
 }
 
 fn text(body: &Body) -> String {

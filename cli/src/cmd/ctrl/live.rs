@@ -8,20 +8,21 @@ use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context as _;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use live_view::{NewestPlaces, Snapshot, View};
 use serde::Serialize;
-use testbed_io::live::{Ending, LinkSpec, LiveReport, Session, StopSwitch, Update};
+use testbed_io::live::{Ending, LinkSpec, LinkTemplate, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
-use testbed_io::{Figures, Run, RunSpec, Summary};
+use testbed_io::{LoggedRun, RunFile};
+use testbed_sim::Summary;
 use unicycle_cbf::Scenario;
 
-use super::guards;
-use super::newest::NewestPlaces;
+use super::check::missing_guards;
+use super::names::named;
 use crate::flags::Context;
 use crate::output;
 use crate::render::table::number;
 use crate::temporary;
-use crate::view::{Snapshot, View};
 
 /// Watchdog of controllers that have none, in s.
 const MAX_POSE_AGE_S: f64 = 0.3;
@@ -35,48 +36,18 @@ pub(crate) struct LiveArgs {
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["disturb", "seed"])]
     pub(crate) live: Option<PathBuf>,
     /// Print a file for --live to start from, and end
-    #[arg(long, value_enum, value_name = "KIND")]
+    #[arg(long, value_parser = named::<LinkTemplate>(), value_name = "KIND")]
     #[serde(skip)]
-    pub(crate) show_link: Option<LinkKind>,
+    pub(crate) show_link: Option<LinkTemplate>,
     /// Serve a page with a live view and a stop button, on a free port of this computer or on this address
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0", requires = "live")]
     #[serde(skip)]
     pub(crate) view: Option<SocketAddr>,
 }
 
-/// Testbeds by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LinkKind {
-    /// Khepera III under OptiTrack
-    Khepera,
-    /// Robotarium, over MQTT
-    Robotarium,
-    /// Robotarium of 2018, commands over UDP
-    RobotariumUdp,
-    /// JSON lines over UDP
-    JsonUdp,
-    /// JSON lines to and from a program
-    Program,
-    /// Poses of a run log
-    Recording,
-}
-
-impl LinkKind {
-    pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Khepera => include_str!("links/khepera.toml"),
-            Self::Robotarium => include_str!("links/robotarium.toml"),
-            Self::RobotariumUdp => include_str!("links/robotarium-udp.toml"),
-            Self::JsonUdp => include_str!("links/json-udp.toml"),
-            Self::Program => include_str!("links/program.toml"),
-            Self::Recording => include_str!("links/recording.toml"),
-        }
-    }
-}
-
 impl LiveArgs {
     /// Sees to it that the scenario can run on real robots, if that is asked for.
-    pub(crate) fn prepare(&self, spec: &mut RunSpec, context: &Context) -> anyhow::Result<()> {
+    pub(crate) fn prepare(&self, spec: &mut RunFile, context: &Context) -> anyhow::Result<()> {
         let Some(file) = &self.live else {
             if spec.link.is_some() {
                 anyhow::bail!(
@@ -90,7 +61,7 @@ impl LiveArgs {
                 "the scenario asks for disturbances, which only simulated robots have; take them out, or leave --live out"
             );
         }
-        for text in guards::missing(&spec.scenario.controller) {
+        for text in missing_guards(&spec.scenario.controller) {
             output::note(context, &text);
         }
         let hardening = &mut spec.scenario.controller.hardening;
@@ -107,34 +78,22 @@ impl LiveArgs {
         spec.link = Some(link.with_context(|| format!("link `{}`", file.display()))?);
         Ok(())
     }
-
-    pub(crate) fn session<'a>(
-        &self,
-        spec: &'a RunSpec,
-        link: &'a LinkSpec,
-        scenario: &'a Scenario,
-        log: Option<&'a Path>,
-    ) -> LiveSession<'a> {
-        LiveSession {
-            spec,
-            session: Session { scenario, link },
-            log,
-            view: self.view,
-        }
-    }
 }
 
 /// A session, and what is made of it on the way.
 pub(crate) struct LiveSession<'a> {
-    spec: &'a RunSpec,
-    session: Session<'a>,
-    log: Option<&'a Path>,
-    view: Option<SocketAddr>,
+    pub(crate) spec: &'a RunFile,
+    pub(crate) session: Session<'a>,
+    pub(crate) log: Option<&'a Path>,
+    pub(crate) view: Option<SocketAddr>,
 }
 
 impl LiveSession<'_> {
     /// Runs it, and gives the run with all its ticks.
-    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<(Run, Summary, LiveReport)> {
+    pub(crate) fn run(
+        &self,
+        context: &Context,
+    ) -> anyhow::Result<(LoggedRun, Summary, LiveReport)> {
         let stop = StopSwitch::default();
         watch_signals(&stop)?;
         let (scenario, link) = (self.session.scenario, self.session.link);
@@ -150,11 +109,12 @@ impl LiveSession<'_> {
         let mut started_unix_s = None;
         let mut places = NewestPlaces::new(scenario);
         let ended = self.session.run(&stop, |update| match update {
-            Update::Note(text) => {
-                notes.tell(text);
+            Update::Note(note) => {
+                let text = note.to_string();
                 if let Some(view) = &view {
-                    view.note(text);
+                    view.note(&text);
                 }
+                notes.show(text);
             }
             Update::Step {
                 ticks,
@@ -167,7 +127,7 @@ impl LiveSession<'_> {
                 let add = |journal: &Journal| journal.add(ticks, started_s);
                 if journal.as_ref().is_some_and(|journal| !add(journal)) && !stop.is_on() {
                     stop.stop();
-                    notes.tell("the run log takes no more; stopping");
+                    notes.show("the run log takes no more; stopping".to_owned());
                 }
                 kept.extend_from_slice(ticks);
                 if let Some(view) = &view {
@@ -195,10 +155,10 @@ impl LiveSession<'_> {
         }
         if let (Err(_), Some(log)) = (&ended, self.log) {
             // It never started.
-            forget_journal(log);
+            remove_journal(log);
         }
         let (summary, report) = ended?;
-        let run = Run {
+        let run = LoggedRun {
             spec: self.spec.clone(),
             ticks: kept,
             started_unix_s,
@@ -254,11 +214,11 @@ impl Notes {
         Ok(Self { texts, thread })
     }
 
-    fn tell(&self, text: &str) {
-        let _ = self.texts.try_send(text.to_owned());
+    fn show(&self, text: String) {
+        let _ = self.texts.try_send(text);
     }
 
-    /// Waits for what was told, but not for ever.
+    /// Waits for what is still to be shown, but not for ever.
     fn finish(self) {
         drop(self.texts);
         for _ in 0..100 {
@@ -276,7 +236,7 @@ pub(crate) fn partial(log: &Path) -> PathBuf {
 }
 
 /// The run log is written; the journal says no more than it.
-pub(crate) fn forget_journal(log: &Path) {
+pub(crate) fn remove_journal(log: &Path) {
     let _ = std::fs::remove_file(partial(log));
 }
 
@@ -367,16 +327,8 @@ fn view(
     stop: &StopSwitch,
     context: &Context,
 ) -> anyhow::Result<View> {
-    let spec = scenario.spec();
-    let figures = serde_json::to_value(Figures::new(scenario, &[], None))?;
-    let mut lane = figures["lane"].clone();
-    for key in ["robot", "headway_s"] {
-        lane[key] = figures[key].clone();
-    }
-    let title = format!("{} on {}", spec.name, spec.testbed);
     let stop = stop.clone();
-    let stop = Box::new(move || stop.stop());
-    let view = View::start(address, lane, title, stop)?;
+    let view = View::start(address, scenario, Box::new(move || stop.stop()))?;
     output::note(context, &format!("view: {}", view.control_url()));
     output::note(context, &format!("to watch only: {}", view.watch_url()));
     Ok(view)

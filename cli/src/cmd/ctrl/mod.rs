@@ -4,9 +4,8 @@ mod beyond;
 mod campaign;
 mod check;
 mod explain;
-mod guards;
 mod live;
-mod newest;
+mod names;
 mod replay;
 mod run;
 mod run_text;
@@ -38,11 +37,23 @@ pub(crate) enum CtrlCommand {
 }
 
 pub(crate) fn run(command: &CtrlCommand, context: &Context) -> anyhow::Result<Outcome> {
-    match command {
+    let outcome = match command {
         CtrlCommand::Run(args) => run::run(args, context),
         CtrlCommand::Replay(args) => replay::run(args, context),
         CtrlCommand::Campaign(args) => campaign::run(args, context),
         CtrlCommand::Check(args) => check::run(args, context),
         CtrlCommand::Explain(args) => explain::run(args, context),
+    };
+    outcome.map_err(with_help)
+}
+
+/// What libraries cannot know: the command that makes run logs.
+fn with_help(error: anyhow::Error) -> anyhow::Error {
+    use testbed_io::Error;
+    match error.downcast_ref() {
+        Some(Error::Meta(_) | Error::MissingColumn { .. }) => {
+            anyhow::anyhow!("{error}; is it one of `ctrl run`?")
+        }
+        _ => error,
     }
 }

@@ -1,15 +1,17 @@
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{Replay, RunLog, Summary, Timing, Verdict, scenario_of, shadow};
+use testbed_io::{RunFile, scenario_of, shadow};
+use testbed_sim::summary::outcomes_of;
+use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-use super::run::forget_times;
+use super::names::named;
+use super::run::clear_times;
 use super::run_text::{verdict, why_not_known};
-use super::scenario::{PresetName, TestbedName};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
@@ -35,14 +37,14 @@ pub(crate) struct ReplayArgs {
     #[serde(skip)]
     files: Vec<PathBuf>,
     /// The files are poses recorded elsewhere, in this layout
-    #[arg(long, value_enum, value_name = "LAYOUT")]
-    poses: Option<Layout>,
+    #[arg(long, value_parser = named::<RecordingLayout>(), value_name = "LAYOUT")]
+    poses: Option<RecordingLayout>,
     /// Robots that the controllers take them for
-    #[arg(long, value_enum, default_value = "robotarium", requires = "poses")]
-    testbed: TestbedName,
+    #[arg(long, value_parser = named::<Testbed>(), default_value = "robotarium", requires = "poses")]
+    testbed: Testbed,
     /// Settings of the controllers
-    #[arg(long, value_enum, default_value = "hardened", requires = "poses")]
-    preset: PresetName,
+    #[arg(long, value_parser = named::<Preset>(), default_value = "hardened", requires = "poses")]
+    preset: Preset,
     /// Scenario file with path and lane; without it a circular lane is laid around the poses
     #[arg(long, value_name = "FILE.toml", requires = "poses")]
     scenario: Option<PathBuf>,
@@ -51,35 +53,11 @@ pub(crate) struct ReplayArgs {
     require: RequireArgs,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Layout {
-    /// By header and extension
-    Auto,
-    /// Groundtruth files of UTIAS MRCLAM: time x y heading
-    Mrclam,
-    /// t_s,x_m,y_m,theta_rad
-    PioneerMocap,
-    /// time_s,robot,x_m,y_m,heading_rad
-    Csv,
-}
-
-impl From<Layout> for RecordingLayout {
-    fn from(layout: Layout) -> Self {
-        match layout {
-            Layout::Auto => Self::Auto,
-            Layout::Mrclam => Self::Mrclam,
-            Layout::PioneerMocap => Self::PioneerMocap,
-            Layout::Csv => Self::Csv,
-        }
-    }
-}
-
 pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
         .check(&Figures::new(include_str!("../../figures/ctrl-replay.txt")))?;
     match (args.poses, args.files.as_slice()) {
-        (Some(layout), files) => beside(args, files, layout.into(), context),
+        (Some(layout), files) => beside(args, files, layout, context),
         (None, [file]) => again(args, file, context),
         (None, _) => {
             anyhow::bail!("one run log at a time; for poses recorded elsewhere give --poses")
@@ -96,8 +74,7 @@ struct Again<'a> {
 }
 
 fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Outcome> {
-    let table = log_file::read(file)?;
-    let log = RunLog::from_table(&table)?;
+    let log = log_file::read(file)?.run_log()?;
     let replay = log.replay()?;
     anyhow::ensure!(
         replay.decisions > 0,
@@ -105,8 +82,8 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
         file.display()
     );
     let body = Again {
-        scenario: &log.spec.scenario.name,
-        testbed: &log.spec.scenario.testbed,
+        scenario: &log.scenario.name,
+        testbed: &log.scenario.testbed,
         replay: &replay,
     };
     if replay.truncated {
@@ -205,18 +182,16 @@ fn beside(
 ) -> anyhow::Result<Outcome> {
     let recording = recorded::read_recording(files, layout)?;
     let spec = match &args.scenario {
-        Some(file) => super::scenario::from_file(file)?.scenario,
+        Some(file) => RunFile::read(file)?.scenario,
         None => {
-            let testbed = Testbed::from(args.testbed);
-            let preset = Preset::from(args.preset);
-            let settings = testbed.scenario("straight", preset)?.controller;
-            scenario_of(&recording, testbed, settings)?
+            let settings = args.testbed.scenario("straight", args.preset)?.controller;
+            scenario_of(&recording, args.testbed, settings)?
         }
     };
     let scenario = Scenario::new(spec)?;
     let (mut ticks, summary) = shadow(&scenario, &recording)?;
     if context.no_times {
-        forget_times(&mut ticks);
+        clear_times(&mut ticks);
     }
     let robots = recording
         .robots
@@ -226,7 +201,7 @@ fn beside(
             name: &recorded.name,
             poses: recorded.poses.len(),
             findings: &recorded.findings,
-            outcomes: testbed_io::outcomes_of(&ticks, robot),
+            outcomes: outcomes_of(&ticks, robot),
         });
     let body = Beside {
         robots: robots.collect(),

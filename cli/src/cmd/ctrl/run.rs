@@ -1,18 +1,22 @@
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
-use testbed_io::live::{LinkSpec, LiveReport};
+use testbed_io::live::{LinkSpec, LiveReport, Session};
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{Disturbances, Event, Run, RunSpec, Summary, Tick, Timing, Verdict};
-use unicycle_cbf::{Demands, Scenario};
+use testbed_io::{LoggedRun, RunFile};
+use testbed_sim::figures::Event;
+use testbed_sim::{Disturbances, Group, Summary, Tick, Timing, Verdict};
+use unicycle_cbf::{Demands, Preset, Scenario};
 
 use super::beyond;
 use super::check;
-use super::live::{self, LiveArgs};
+use super::live::{self, LiveArgs, LiveSession};
+use super::names::named;
 use super::run_text::{text, why_not_known};
-use super::scenario::{Disturbance, Named, PresetName, ScenarioArgs};
+use super::scenario::{Named, ScenarioArgs};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
@@ -41,8 +45,8 @@ pub(crate) struct RunArgs {
     #[serde(skip)]
     show_config: bool,
     /// Disturbances of the simulated testbed [default: none, or those of the file]
-    #[arg(long, value_enum, value_name = "GROUP")]
-    disturb: Option<Disturbance>,
+    #[arg(long, value_parser = named::<Group>(), value_name = "GROUP")]
+    disturb: Option<Group>,
     /// Seed of all random numbers [default: 1, or that of the file]
     #[arg(long)]
     seed: Option<u64>,
@@ -96,7 +100,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     };
     if args.show_config {
         // Where robots are is the business of another file.
-        let spec = RunSpec {
+        let spec = RunFile {
             link: None,
             scenario: scenario.spec().clone(),
             ..named.spec
@@ -111,15 +115,22 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     for note in notes {
         output::note(context, &note);
     }
-    let format = args.output.as_deref().map(LogFormat::from_path);
-    format.transpose()?;
-    let ended = args.ended(&named.spec, &scenario, context)?;
-    let told = args
-        .save(&ended.run, context)
-        .and_then(|()| args.tell(&named, &inputs, &scenario, &ended, context));
+    let outputs = args.outputs()?;
+    let ended = ended(&named.spec, &scenario, &outputs, context)?;
+    let shown = outputs.save(&ended.run, context).and_then(|()| {
+        let mut body = Body::new(&named, &ended);
+        if outputs.report.is_some() {
+            body.figures = Some(ended.run.figures(&scenario)?);
+            body.events = Event::all(&scenario);
+        }
+        let mut document = Document::new("ctrl-run", args, &inputs, body);
+        let judged = document.judged(&args.require)?;
+        outputs.show(document, &text(&named, &ended), context)?;
+        Ok(judged)
+    });
     // Robots that may still move are worse than a file that cannot be written.
     let outcome = ended.outcome()?;
-    let judged = told?;
+    let judged = shown?;
     Ok(match outcome {
         Outcome::Done => judged,
         Outcome::Negative => outcome,
@@ -128,7 +139,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
 
 /// A run that is over, in simulation or on real robots.
 pub(super) struct Ended {
-    run: Run,
+    run: LoggedRun,
     pub(super) summary: Summary,
     pub(super) timing: Timing,
     pub(super) live: Option<LiveReport>,
@@ -157,8 +168,8 @@ impl Ended {
 impl RunArgs {
     fn named(&self, context: &Context) -> anyhow::Result<Named> {
         let preset = match self.live.live {
-            Some(_) => PresetName::Hardened,
-            None => PresetName::Thesis,
+            Some(_) => Preset::Hardened,
+            None => Preset::Thesis,
         };
         let mut named = self.scenario.named(preset)?;
         for text in &named.notes {
@@ -166,7 +177,7 @@ impl RunArgs {
         }
         let spec = &mut named.spec;
         if let Some(group) = self.disturb {
-            spec.disturbances = Disturbances::HARD.only(group.into());
+            spec.disturbances = Disturbances::HARD.only(group);
         }
         if let Some(seed) = self.seed {
             spec.seed = seed;
@@ -177,37 +188,6 @@ impl RunArgs {
         spec.disturbances.check().context("disturbances")?;
         self.live.prepare(spec, context)?;
         Ok(named)
-    }
-
-    fn ended(
-        &self,
-        spec: &RunSpec,
-        scenario: &Scenario,
-        context: &Context,
-    ) -> anyhow::Result<Ended> {
-        let (run, summary, live) = match &spec.link {
-            None => {
-                let (mut run, summary) = spec.simulate()?;
-                if context.no_times {
-                    forget_times(&mut run.ticks);
-                } else if self.is_mcap() {
-                    run.started_unix_s = Some(live::unix_now_s());
-                }
-                (run, summary, None)
-            }
-            Some(link) => {
-                let log = self.output.as_deref();
-                let session = self.live.session(spec, link, scenario, log);
-                let (run, summary, live) = session.run(context)?;
-                (run, summary, Some(live))
-            }
-        };
-        Ok(Ended {
-            timing: Timing::new(&run.ticks, scenario.controller().hold_s()),
-            run,
-            summary,
-            live,
-        })
     }
 
     /// Scenario, path, link, and the run log whose poses a link plays; none of them is written.
@@ -235,91 +215,112 @@ impl RunArgs {
         FileInputs::read(files)
     }
 
-    fn is_mcap(&self) -> bool {
-        let format = self.output.as_deref().map(LogFormat::from_path);
-        matches!(format, Some(Ok(LogFormat::Mcap)))
+    fn outputs(&self) -> anyhow::Result<Outputs> {
+        let log = self.output.as_ref().map(|path| {
+            let format = LogFormat::from_path(path)?;
+            anyhow::Ok((path.clone(), format))
+        });
+        Ok(Outputs {
+            log: log.transpose()?,
+            report: self.report.clone(),
+            view: self.live.view,
+        })
     }
+}
 
-    fn save(&self, run: &Run, context: &Context) -> anyhow::Result<()> {
-        let Some(path) = &self.output else {
+/// Where a run goes beside the terminal.
+struct Outputs {
+    log: Option<(PathBuf, LogFormat)>,
+    report: Option<PathBuf>,
+    view: Option<SocketAddr>,
+}
+
+fn ended(
+    spec: &RunFile,
+    scenario: &Scenario,
+    outputs: &Outputs,
+    context: &Context,
+) -> anyhow::Result<Ended> {
+    let (run, summary, live) = match &spec.link {
+        None => {
+            let (mut run, summary) = spec.simulate()?;
+            if context.no_times {
+                clear_times(&mut run.ticks);
+            } else if matches!(outputs.log, Some((_, LogFormat::Mcap))) {
+                run.started_unix_s = Some(live::unix_now_s());
+            }
+            (run, summary, None)
+        }
+        Some(link) => {
+            let session = LiveSession {
+                spec,
+                session: Session { scenario, link },
+                log: outputs.log.as_ref().map(|(path, _)| path.as_path()),
+                view: outputs.view,
+            };
+            let (run, summary, live) = session.run(context)?;
+            (run, summary, Some(live))
+        }
+    };
+    Ok(Ended {
+        timing: Timing::new(&run.ticks, scenario.controller().hold_s()),
+        run,
+        summary,
+        live,
+    })
+}
+
+impl Outputs {
+    fn save(&self, run: &LoggedRun, context: &Context) -> anyhow::Result<()> {
+        let Some((path, format)) = &self.log else {
             return Ok(());
         };
-        let format = LogFormat::from_path(path)?;
         let table = run.to_table()?;
-        output::write_file(path, |out| Ok(log_file::write(&table, format, out)?))?;
+        output::write_file(path, |out| Ok(log_file::write(&table, *format, out)?))?;
         output::note(context, &format!("run log written to {}", path.display()));
         if run.spec.link.is_some() {
-            live::forget_journal(path);
+            live::remove_journal(path);
         }
         Ok(())
     }
 
     /// Report and document.
-    fn tell(
+    fn show<C: Serialize>(
         &self,
-        named: &Named,
-        inputs: &FileInputs,
-        scenario: &Scenario,
-        ended: &Ended,
+        mut document: Document<'_, C, Body<'_>>,
+        text: &str,
         context: &Context,
-    ) -> anyhow::Result<Outcome> {
-        let mut body = Body::new(named, ended);
-        if self.report.is_some() {
-            body.figures = Some(figures(&named.spec, scenario, &ended.run)?);
-            body.events = Event::all(scenario);
-        }
-        let mut document = Document::new("ctrl-run", self, inputs, body);
-        let outcome = document.judged(&self.require)?;
+    ) -> anyhow::Result<()> {
         if let Some(path) = &self.report {
             let page = report::CONTROL.filled(&serde_json::to_value(&document)?);
             output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
             output::note(context, &format!("report written to {}", path.display()));
             document.body.figures = None;
         }
-        let text = text(named, ended);
-        if named
-            .spec
-            .link
-            .as_ref()
-            .is_some_and(LinkSpec::writes_to_stdout)
-        {
-            output::note(context, &text);
-            return Ok(outcome);
+        let link = document.body.spec.link.as_ref();
+        if link.is_some_and(LinkSpec::writes_to_stdout) {
+            output::note(context, text);
+            return Ok(());
         }
         match context.format {
-            Format::Json => output::print_json(&document)?,
-            Format::Text => output::print_text(&text)?,
+            Format::Json => output::print_json(&document),
+            Format::Text => output::print_text(text),
         }
-        Ok(outcome)
     }
 }
 
 /// Of single decisions, which differ from run to run.
-pub(super) fn forget_times(ticks: &mut [Tick]) {
+pub(super) fn clear_times(ticks: &mut [Tick]) {
     for tick in ticks {
         tick.step_us = f64::NAN;
     }
-}
-
-fn figures(spec: &RunSpec, scenario: &Scenario, run: &Run) -> anyhow::Result<testbed_io::Figures> {
-    let undisturbed = if spec.disturbances.is_none() {
-        None
-    } else {
-        let spec = RunSpec {
-            disturbances: Disturbances::default(),
-            ..spec.clone()
-        };
-        Some(spec.simulate()?.0)
-    };
-    let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
-    Ok(testbed_io::Figures::new(scenario, &run.ticks, undisturbed))
 }
 
 #[derive(Serialize)]
 struct Body<'a> {
     scenario: &'a str,
     testbed: &'a str,
-    preset: Option<PresetName>,
+    preset: Option<Preset>,
     seed: u64,
     rate_hz: f64,
     disturbed: bool,
@@ -335,8 +336,8 @@ struct Body<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     events: Vec<Event>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<testbed_io::Figures>,
-    spec: &'a RunSpec,
+    figures: Option<testbed_sim::Figures>,
+    spec: &'a RunFile,
 }
 
 impl<'a> Body<'a> {

@@ -1,6 +1,6 @@
 //! What a run came to, in words.
 
-use testbed_io::{LeastDistance, Summary, Verdict};
+use testbed_sim::{LeastDistance, Summary, Verdict};
 
 use super::live;
 use super::run::Ended;

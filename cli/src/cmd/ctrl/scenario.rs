@@ -2,25 +2,28 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
-use clap::{Args, ValueEnum};
+use anyhow::bail;
+use clap::Args;
 use serde::Serialize;
-use testbed_io::{Disturbances, Group, PathFile, RunSpec};
+use testbed_io::{PathFile, RunFile};
+use testbed_sim::Disturbances;
 use unicycle_cbf::{PathSpec, Preset, ScenarioSpec, Testbed};
+
+use super::names::named;
 
 /// A built-in scenario or a file.
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Scenario")]
 pub(crate) struct ScenarioArgs {
     /// Which robots [default: khepera]
-    #[arg(long, value_enum)]
-    pub(crate) testbed: Option<TestbedName>,
+    #[arg(long, value_parser = named::<Testbed>())]
+    pub(crate) testbed: Option<Testbed>,
     /// on-off, decay, track (Robotarium), straight, chain, brake, stop, or a TOML file as `ctrl run --show-config` prints it
     #[arg(long, default_value = "on-off", value_name = "NAME|FILE.toml")]
     pub(crate) scenario: String,
     /// Settings of the controllers: the thesis's, or with every guard [default: thesis; with --live hardened; a file as it is]
-    #[arg(long, value_enum)]
-    pub(crate) preset: Option<PresetName>,
+    #[arg(long, value_parser = named::<Preset>())]
+    pub(crate) preset: Option<Preset>,
     /// Closed path in place of the scenario's: CSV with columns x_m and y_m (or mm, cm, km), in the order of travel
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) path: Option<PathBuf>,
@@ -29,82 +32,10 @@ pub(crate) struct ScenarioArgs {
     pub(crate) close_path: bool,
 }
 
-/// Robots by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum TestbedName {
-    /// Khepera III under OptiTrack, 50 Hz
-    Khepera,
-    /// Robotarium, 30 Hz
-    Robotarium,
-}
-
-impl From<TestbedName> for Testbed {
-    fn from(name: TestbedName) -> Self {
-        match name {
-            TestbedName::Khepera => Self::Khepera,
-            TestbedName::Robotarium => Self::Robotarium,
-        }
-    }
-}
-
-/// Presets by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum PresetName {
-    /// The quadratic program of the thesis, margins set by hand
-    Thesis,
-    /// With every guard
-    Hardened,
-}
-
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Thesis => Self::Thesis,
-            PresetName::Hardened => Self::Hardened,
-        }
-    }
-}
-
-/// Groups of disturbances by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Disturbance {
-    /// Nothing
-    None,
-    /// Poses wrong by 3 mm and 0.5° (standard deviations)
-    Noise,
-    /// Poses 0.05 to 0.1 s late
-    Latency,
-    /// 30 % of the poses lost
-    Drops,
-    /// No poses for up to 2 s, about every 20 s
-    Outages,
-    /// Wheels and mass up to 10 % off, motors that lag by 20 ms, wheel speeds in steps of 0.1 mm/s
-    Mismatch,
-    /// All of them at once
-    All,
-}
-
-impl From<Disturbance> for Group {
-    fn from(name: Disturbance) -> Self {
-        match name {
-            Disturbance::None => Self::None,
-            Disturbance::Noise => Self::Noise,
-            Disturbance::Latency => Self::Latency,
-            Disturbance::Drops => Self::Drops,
-            Disturbance::Outages => Self::Outages,
-            Disturbance::Mismatch => Self::Mismatch,
-            Disturbance::All => Self::All,
-        }
-    }
-}
-
 /// What a run was asked for by name, for titles and figures.
 pub(crate) struct Named {
-    pub(crate) spec: RunSpec,
-    pub(crate) preset: Option<PresetName>,
+    pub(crate) spec: RunFile,
+    pub(crate) preset: Option<Preset>,
     /// Figures of the thesis that the scenario shows
     pub(crate) figures: &'static [&'static str],
     /// What was taken for granted
@@ -124,7 +55,7 @@ impl ScenarioArgs {
     }
 
     /// The scenario without disturbances, or what the file says.
-    pub(crate) fn named(&self, default: PresetName) -> anyhow::Result<Named> {
+    pub(crate) fn named(&self, default: Preset) -> anyhow::Result<Named> {
         let mut named = if self.is_file() {
             self.file()?
         } else {
@@ -157,13 +88,13 @@ impl ScenarioArgs {
         Ok((path.points_m, notes))
     }
 
-    fn built_in(&self, default: PresetName) -> anyhow::Result<Named> {
-        let testbed = Testbed::from(self.testbed.unwrap_or(TestbedName::Khepera));
+    fn built_in(&self, default: Preset) -> anyhow::Result<Named> {
+        let testbed = self.testbed.unwrap_or(Testbed::Khepera);
         let preset = self.preset.unwrap_or(default);
         Ok(Named {
-            spec: RunSpec {
+            spec: RunFile {
                 seed: 1,
-                scenario: testbed.scenario(&self.scenario, preset.into())?,
+                scenario: testbed.scenario(&self.scenario, preset)?,
                 disturbances: Disturbances::default(),
                 link: None,
             },
@@ -180,7 +111,7 @@ impl ScenarioArgs {
                 self.scenario
             );
         }
-        let mut spec = from_file(Path::new(&self.scenario))?;
+        let mut spec = RunFile::read(Path::new(&self.scenario))?;
         if let Some(preset) = self.preset {
             apply(preset, &mut spec.scenario);
         }
@@ -194,14 +125,6 @@ impl ScenarioArgs {
 }
 
 /// Gives a scenario the settings of a preset.
-pub(crate) fn apply(preset: PresetName, scenario: &mut ScenarioSpec) {
-    let preset = Preset::from(preset);
+pub(crate) fn apply(preset: Preset, scenario: &mut ScenarioSpec) {
     scenario.controller = preset.applied_to(&scenario.controller, &scenario.body);
-}
-
-/// A scenario file, see `ctrl run --show-config`.
-pub(crate) fn from_file(file: &Path) -> anyhow::Result<RunSpec> {
-    let text = std::fs::read_to_string(file)
-        .with_context(|| format!("cannot read the scenario `{}`", file.display()))?;
-    toml::from_str(&text).with_context(|| format!("scenario `{}`", file.display()))
 }

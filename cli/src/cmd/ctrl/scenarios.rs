@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
-use testbed_io::{NamedScenario, SettingsOf};
-use unicycle_cbf::Testbed;
+use testbed_io::RunFile;
+use testbed_sim::{NamedScenario, SettingsOf};
+use unicycle_cbf::{Preset, Testbed};
 
-use super::scenario::{PresetName, apply, from_file};
+use super::scenario::apply;
 use crate::flags::Context;
 use crate::output;
 use drive_log::collection::files_below;
@@ -16,9 +17,9 @@ pub(crate) struct Wanted<'a> {
     /// Names, files and folders; all built-in scenarios where there are none
     pub(crate) scenarios: &'a [String],
     /// Of built-in scenarios; all where there are none
-    pub(crate) testbeds: Vec<Testbed>,
+    pub(crate) testbeds: &'a [Testbed],
     /// Without any, built-in scenarios are hardened and files are taken as they are
-    pub(crate) presets: &'a [PresetName],
+    pub(crate) presets: &'a [Preset],
     /// In place of each scenario's own, in s
     pub(crate) duration_s: Option<f64>,
 }
@@ -47,24 +48,23 @@ impl Wanted<'_> {
     }
 
     fn built_in(&self, names: &[String]) -> anyhow::Result<Vec<NamedScenario>> {
-        let testbeds = match self.testbeds.as_slice() {
-            [] => &Testbed::ALL,
+        let testbeds = match self.testbeds {
+            [] => Testbed::ALL,
             some => some,
         };
         let presets = match self.presets {
-            [] => &[PresetName::Hardened],
+            [] => &[Preset::Hardened],
             some => some,
         };
         let mut found = Vec::new();
         for preset in presets {
-            let preset = (*preset).into();
-            found.extend(NamedScenario::built_in(testbeds, names, preset)?);
+            found.extend(NamedScenario::built_in(testbeds, names, *preset)?);
         }
         Ok(found)
     }
 
     fn of_file(&self, file: &Path) -> anyhow::Result<Vec<NamedScenario>> {
-        let run = from_file(file)?;
+        let run = RunFile::read(file)?;
         ensure!(
             run.link.is_none(),
             "`{}` was run on real robots: take [link] out of the file",
@@ -81,7 +81,7 @@ impl Wanted<'_> {
         let with = self.presets.iter().map(|preset| {
             let mut scenario = as_it_is.clone();
             apply(*preset, &mut scenario.spec);
-            scenario.preset = SettingsOf::Preset((*preset).into());
+            scenario.preset = SettingsOf::Preset(*preset);
             scenario
         });
         Ok(with.collect())

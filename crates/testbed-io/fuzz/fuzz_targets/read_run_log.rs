@@ -4,7 +4,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use testbed_io::RunLog;
 use testbed_io::log_file::{LogFormat, read_bytes};
 
 fuzz_target!(|bytes: &[u8]| {
@@ -16,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(table) = read_bytes(bytes, format) else {
         return;
     };
-    if let Ok(log) = RunLog::from_table(&table) {
+    if let Ok(log) = table.run_log() {
         let _ = log.replay();
     }
 });

@@ -2,10 +2,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use testbed_io::RunSpec;
+use testbed_io::RunFile;
 
 fuzz_target!(|text: &str| {
-    let Ok(mut spec) = toml::from_str::<RunSpec>(text) else {
+    let Ok(mut spec) = toml::from_str::<RunFile>(text) else {
         return;
     };
     spec.scenario.duration_s = 5.0 / spec.scenario.rate_hz;

@@ -3,62 +3,48 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use strum::{IntoStaticStr, VariantArray};
 
 /// Why a packet or a pose was dropped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr, VariantArray)]
 pub enum Dropped {
     /// From an address other than the configured one
+    #[strum(to_string = "from another address")]
     Stranger,
     /// Not what the protocol says, or cut
+    #[strum(to_string = "malformed")]
     Malformed,
     /// A number that is NaN or infinite
+    #[strum(to_string = "not a number")]
     NotFinite,
     /// Outside the arena
+    #[strum(to_string = "outside the arena")]
     Outside,
     /// Farther from the last pose than the robot can have moved
+    #[strum(to_string = "jumps")]
     Jump,
     /// Where another robot is
+    #[strum(to_string = "where another robot is")]
     Overlapping,
     /// The tracker says that it does not see the body
+    #[strum(to_string = "untracked")]
     Untracked,
     /// Of a robot that does not take part
+    #[strum(to_string = "of other robots")]
     OtherRobot,
     /// Not newer than the last: late, repeated, or out of order
+    #[strum(to_string = "late or repeated")]
     Old,
     /// A stamp that contradicts the time of arrival
+    #[strum(to_string = "impossible stamps")]
     Stamp,
 }
 
 impl Dropped {
-    /// Every reason.
-    pub const ALL: [Self; 10] = [
-        Self::Stranger,
-        Self::Malformed,
-        Self::NotFinite,
-        Self::Outside,
-        Self::Jump,
-        Self::Overlapping,
-        Self::Untracked,
-        Self::OtherRobot,
-        Self::Old,
-        Self::Stamp,
-    ];
-
     /// For people.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Stranger => "from another address",
-            Self::Malformed => "malformed",
-            Self::NotFinite => "not a number",
-            Self::Outside => "outside the arena",
-            Self::Jump => "jumps",
-            Self::Overlapping => "where another robot is",
-            Self::Untracked => "untracked",
-            Self::OtherRobot => "of other robots",
-            Self::Old => "late or repeated",
-            Self::Stamp => "impossible stamps",
-        }
+        self.into()
     }
 }
 
@@ -102,11 +88,9 @@ impl Counts {
     /// How many were dropped, by reason; those that never occurred are left out.
     #[must_use]
     pub fn dropped(mut self) -> BTreeMap<&'static str, u64> {
-        let counted = Dropped::ALL.map(|reason| (reason.name(), *self.count_of(reason)));
-        counted
-            .into_iter()
-            .filter(|(_, count)| *count > 0)
-            .collect()
+        let reasons = Dropped::VARIANTS.iter();
+        let counted = reasons.map(|reason| (reason.name(), *self.count_of(*reason)));
+        counted.filter(|(_, count)| *count > 0).collect()
     }
 
     /// For messages.

@@ -3,6 +3,7 @@
 use unicycle_cbf::{Pose, Scenario, StampedPose};
 
 use super::gate::distance_m;
+use super::note::Note;
 
 /// Poses that are not believed contradict where a robot is taken to be after this time, in s, and so many in a row.
 const LONG_S: f64 = 0.5;
@@ -75,17 +76,17 @@ impl Contradictions {
     }
 
     /// What the user should know, once of each robot.
-    pub(super) fn note(&mut self, robot: usize) -> Option<String> {
+    pub(super) fn note(&mut self, robot: usize) -> Option<Note> {
         let lasted_s = self.lasted_s(robot)?;
         if std::mem::replace(&mut self.told[robot], true) {
             return None;
         }
         let pose = self.now[robot]?.newest.pose;
-        Some(format!(
-            "robot {}: for {lasted_s:.1} s its poses have said that it is at ({:.2}, {:.2}) m, where its commands cannot have led it: \
-             whether robots touch is not known, and robots near that place stand",
-            self.ids[robot], pose.x_m, pose.y_m
-        ))
+        Some(Note::Disbelieved {
+            id: self.ids[robot],
+            lasted_s,
+            place_m: [pose.x_m, pose.y_m],
+        })
     }
 }
 
@@ -119,7 +120,8 @@ mod tests {
             assert!(!all.is_near(0, &seen(stamp_s, 1.5).pose));
             assert!(!all.is_near(1, &seen(stamp_s, 2.0).pose));
         }
-        let note = all.note(1).unwrap_or_default();
+        let note = all.note(1).map(|note| note.to_string());
+        let note = note.unwrap_or_default();
         assert!(
             note.contains("robot 8: for 1.2 s") && note.contains("(2.00, 0.00) m"),
             "{note}"

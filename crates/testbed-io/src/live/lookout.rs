@@ -1,6 +1,7 @@
 //! Which robots are out of sight, and why.
 
 use super::counts::Dropped;
+use super::note::Note;
 
 /// The user is told of a robot without a pose for this long, in s.
 const UNSEEN_S: f64 = 1.0;
@@ -42,7 +43,7 @@ impl Lookout {
         now_s: f64,
         ages_s: &[f64],
         why_dropped: impl Fn(usize) -> Option<Dropped>,
-    ) -> Vec<String> {
+    ) -> Vec<Note> {
         let robots = ages_s.iter().enumerate();
         let notes = robots.filter_map(|(robot, age_s)| {
             let id = self.ids[robot];
@@ -52,30 +53,12 @@ impl Lookout {
             let unseen = &mut self.unseen[robot];
             if *age_s > after_s && !*unseen {
                 *unseen = true;
-                let help = help(why);
-                return Some(format!(
-                    "robot {id} is out of sight: it and those behind it stand; {help}"
-                ));
+                return Some(Note::OutOfSight { id, why });
             }
             let again = *unseen && *age_s < SEEN_AGAIN * self.most_age_s;
             *unseen &= !again;
-            again.then(|| format!("robot {id} is seen again"))
+            again.then_some(Note::SeenAgain { id })
         });
         notes.collect()
-    }
-}
-
-/// What to do about a robot out of sight, by why its last pose was dropped.
-fn help(why: Option<Dropped>) -> &'static str {
-    match why {
-        Some(Dropped::Jump) => {
-            "its poses say that it is or heads where its commands cannot have led it; if it was moved by hand, start anew"
-        }
-        Some(Dropped::Stamp) => {
-            "its poses are too old when they come, or the tracker's clock is wrong"
-        }
-        Some(Dropped::Outside) => "its poses are outside the arena",
-        Some(Dropped::Overlapping) => "its poses are where another robot is",
-        _ => "if it was moved by hand, start anew",
     }
 }

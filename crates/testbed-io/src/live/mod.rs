@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! thread of a tracker ─decode→ Seen ─Inbox { StampMap, Gate }→ newest StampedPose
-//! Pacer ─deadline→ Drive ─Convoy→ Decisions ─DeadMan { CommandSink }→ robots       every step as an Update to the caller
+//! Pacer ─deadline→ ControlLoop ─Convoy→ Decisions ─DeadMan { CommandSink }→ robots       every step as an Update to the caller
 //! ```
 //!
 //! A [`LinkSpec`] says who the robots are, where poses come from and where commands go; a [`Session`] runs a scenario on it. On every
@@ -25,9 +25,9 @@
 mod clock;
 mod clock_rate;
 pub mod commands;
+mod control_loop;
 mod counts;
 mod disbelieved;
-mod drive;
 mod fit;
 mod gate;
 mod hurry;
@@ -38,8 +38,10 @@ mod link;
 mod lookout;
 mod moved;
 pub mod natnet;
+pub mod note;
 mod pacer;
 pub mod poses;
+mod report;
 pub mod robotarium;
 mod roll_call;
 mod senders;
@@ -47,13 +49,19 @@ mod session;
 mod spec;
 mod stamps;
 mod starts;
-pub(crate) mod told;
+mod template;
 mod watch;
+mod words;
+
+use testbed_sim::told;
 
 pub use clock::Clock;
 pub use counts::{Counts, Dropped};
 pub use gate::{Arena, Bounds};
 pub use inbox::{Inbox, Seen};
+pub use note::Note;
 pub use pacer::Deadlines;
-pub use session::{Ending, LiveReport, Session, StopSwitch, Update};
+pub use report::{Ending, LiveReport, StopSwitch, Update};
+pub use session::Session;
 pub use spec::{CommandsSpec, JsonCommandsSpec, LinkSpec, PosesSpec};
+pub use template::LinkTemplate;

@@ -3,6 +3,7 @@
 use unicycle_cbf::{Pose, StampedPose};
 
 use super::gate::distance_m;
+use super::note::Note;
 use super::told::Told;
 
 /// Beyond this and the noise a robot has moved, in m.
@@ -75,7 +76,7 @@ impl RollCall {
         &mut self,
         time_s: f64,
         told: impl Fn(usize) -> &'a Told,
-    ) -> Option<String> {
+    ) -> Option<Note> {
         match &self.stage {
             Stage::Standing(None, _) => {
                 self.stage = Stage::Standing(Some(time_s), self.places.clone());
@@ -86,9 +87,7 @@ impl RollCall {
                 {
                     self.stage = Stage::Over;
                     let id = self.ids[robot];
-                    return Some(format!(
-                        "robot {id} moves already: ids are not checked by motion"
-                    ));
+                    return Some(Note::MovesAlready { id });
                 }
                 let all_seen = self.places.iter().all(Option::is_some);
                 if all_seen && time_s - since_s >= STANDING_S {
@@ -125,37 +124,29 @@ impl RollCall {
         moved.is_some_and(|(from, to)| distance_m(&from, &to) > self.moved_m)
     }
 
-    fn next(&mut self, turn: usize, time_s: f64) -> Option<String> {
+    fn next(&mut self, turn: usize, time_s: f64) -> Option<Note> {
         if turn + 1 < self.ids.len() {
             self.stage = Stage::Turn(turn + 1, time_s, self.places.clone());
             return None;
         }
         self.stage = Stage::Over;
-        Some(if self.unchecked.is_empty() {
-            "ids are checked by motion: each robot moved when it was told to, and no other"
-                .to_owned()
-        } else {
-            let ids: Vec<String> = self.unchecked.iter().map(ToString::to_string).collect();
-            format!(
-                "ids are checked by motion, but for those of robots that were not told to move: {}",
-                ids.join(", ")
-            )
-        })
+        let unchecked = std::mem::take(&mut self.unchecked);
+        Some(Note::IdsChecked { unchecked })
     }
 
-    fn failed(&mut self, turn: usize, other: Option<usize>) -> String {
+    fn failed(&mut self, turn: usize, other: Option<usize>) -> Note {
         self.stage = Stage::Failed;
         let id = self.ids[turn];
-        let what = match other.map(|other| self.ids[other]) {
-            Some(other) => format!(
-                "robot {id} was told to move and robot {other} did: do `robots` and the addresses name them in the same order?"
-            ),
-            None => format!(
-                "robot {id} was told to move by {:.0} mm and did not: does it hear its commands, and is it the one that the tracker calls {id}?",
-                2e3 * self.moved_m
-            ),
-        };
-        format!("{what} All robots stand for good; start anew")
+        match other.map(|other| self.ids[other]) {
+            Some(moved) => Note::WrongRobotMoved {
+                commanded: id,
+                moved,
+            },
+            None => Note::DidNotMove {
+                id,
+                way_m: 2.0 * self.moved_m,
+            },
+        }
     }
 }
 
@@ -192,7 +183,8 @@ mod tests {
                     },
                 );
             }
-            notes.extend(roll_call.look(time_s, |robot| &told[robot]));
+            let note = roll_call.look(time_s, |robot| &told[robot]);
+            notes.extend(note.map(|note| note.to_string()));
         }
         notes
     }

@@ -1,11 +1,17 @@
-//! Whether robots are where they can start.
+//! Whether robots are where they can start, and how long they are waited for.
+
+use std::time::Duration;
 
 use unicycle_cbf::{Scenario, Speeds, StampedPose};
 
 use super::counts::Counts;
 use super::gate::wrapped;
+use super::words::names;
 use crate::error::Error;
 
+/// How long robots have to appear before the start, and how long while the other side says that they are getting ready.
+const APPEAR: Duration = Duration::from_secs(60);
+const GETTING_READY: Duration = Duration::from_secs(300);
 /// Headings beyond a turn and this are no headings in rad.
 const SLACK_RAD: f64 = 0.3;
 /// How far a heading may be from the path's direction, in rad.
@@ -156,8 +162,31 @@ pub(super) fn not_seen(ids: &[u32], counts: &Counts) -> Error {
     }
 }
 
-/// Robots by their ids.
-pub(super) fn names(ids: &[u32]) -> String {
-    let names: Vec<String> = ids.iter().map(|id| format!("robot {id}")).collect();
-    names.join(", ")
+/// `ready_told` is how long ago the other side said last that robots are getting ready.
+pub(super) fn is_too_long(waited: Duration, ready_told: Option<Duration>) -> bool {
+    let getting_ready = ready_told.is_some_and(|told| told < APPEAR);
+    waited > if getting_ready { GETTING_READY } else { APPEAR }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Duration, is_too_long};
+
+    #[test]
+    fn robots_that_get_ready_have_more_time_but_not_for_ever() {
+        let seconds = Duration::from_secs;
+        for (waited_s, told_s, too_long) in [
+            (59, None, false),
+            (61, None, true),
+            (61, Some(1), false),
+            (299, Some(1), false),
+            (301, Some(1), true),
+            // It said so once, and then no more.
+            (59, Some(50), false),
+            (70, Some(65), true),
+        ] {
+            let found = is_too_long(seconds(waited_s), told_s.map(seconds));
+            assert_eq!(found, too_long, "{waited_s} s, told {told_s:?} s ago");
+        }
+    }
 }

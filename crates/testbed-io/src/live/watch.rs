@@ -1,13 +1,14 @@
 //! Do the robots do what they are told? Those that do not are named, slowed down and stopped.
 
+use testbed_sim::tick::Watched;
 use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
 use super::moved::{KEPT_S, Trail};
+use super::note::{Consequence, Differing, Note};
 use super::roll_call::RollCall;
 use super::told::Told;
-use crate::tick::Watched;
 
 /// What settings without guards are held against: noise of poses in m and rad, error of each wheel.
 const NOISE_M: f64 = 3e-3;
@@ -49,7 +50,7 @@ pub(super) struct Watch {
     every: usize,
     robots: Vec<Own>,
     roll_call: RollCall,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 #[derive(Debug)]
@@ -127,10 +128,8 @@ impl Watch {
         if own.was_inside && is_out && own.allowed != Allowed::Nothing {
             own.allowed = Allowed::Nothing;
             let id = self.ids[robot];
-            self.notes.push(format!(
-                "robot {id} is measured {:.0} mm outside its lane: it stands for good; put it back and start anew",
-                1e3 * outside_m
-            ));
+            let by_m = outside_m;
+            self.notes.push(Note::OutsideLane { id, by_m });
         }
         own.was_inside |= outside_m <= 0.0;
     }
@@ -146,7 +145,7 @@ impl Watch {
     }
 
     /// Looks at some of the robots, at all of them over a tenth of a second; gives what the user should know.
-    pub(super) fn look(&mut self, step: usize, time_s: f64) -> Vec<String> {
+    pub(super) fn look(&mut self, step: usize, time_s: f64) -> Vec<Note> {
         for robot in 0..self.robots.len() {
             self.show(robot, time_s);
             if (step + robot).is_multiple_of(self.every) {
@@ -201,24 +200,20 @@ impl Watch {
             0
         };
         let lag_s = own.lag_s(&self.stated);
-        let text = found.filter(|_| own.differing >= IN_A_ROW);
+        let how = found.filter(|_| own.differing >= IN_A_ROW);
         let id = self.ids[robot];
         let near = own.deviation_m.abs() > SURE_OF_LANE * self.half_width_m;
         if near && matches!(own.allowed, Allowed::Slow { .. }) {
             own.allowed = Allowed::Nothing;
-            self.notes.push(format!(
-                "robot {id}, which did not move as told, is {:.0} mm from the edge of its lane; it stands for good",
-                1e3 * (self.half_width_m - own.deviation_m.abs())
-            ));
-        } else if let Some(text) = text
-            && let Some(done) = own.believed_less(time_s, near)
+            let left_m = self.half_width_m - own.deviation_m.abs();
+            self.notes.push(Note::NearEdge { id, left_m });
+        } else if let Some(how) = how
+            && let Some(then) = own.believed_less(time_s, near)
         {
-            self.notes.push(format!("robot {id} {text}; {done}"));
+            self.notes.push(Note::Differs { id, how, then });
         } else if let Some(lag_s) = lag_s {
             own.lag_told = true;
-            self.notes.push(format!(
-                "robot {id} follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
-            ));
+            self.notes.push(Note::Late { id, lag_s });
         }
     }
 }
@@ -229,16 +224,16 @@ impl Own {
         newest.is_some_and(|newest| newest.seen.stamp_s >= since_s)
     }
 
-    /// How it moves otherwise than told, in words.
-    fn found(&self, stated: &Stated) -> Option<String> {
-        if let Some(text) = self.moved_untold(stated) {
-            return Some(text);
+    /// How it moves otherwise than told.
+    fn found(&self, stated: &Stated) -> Option<Differing> {
+        if let Some(how) = self.moved_untold(stated) {
+            return Some(how);
         }
         let mut fits = WINDOWS_S.iter().filter_map(|window_s| {
             let fit = Fit::new(&self.trail, *window_s, &self.told, *stated)?;
             fit.differs()
         });
-        fits.next().map(|differs| differs.text(stated))
+        fits.next().map(|differs| differs.beyond(stated))
     }
 
     fn lag_s(&self, stated: &Stated) -> Option<f64> {
@@ -250,7 +245,7 @@ impl Own {
         (lag_s <= stated.lag_s).then_some(lag_s)
     }
 
-    fn moved_untold(&self, stated: &Stated) -> Option<String> {
+    fn moved_untold(&self, stated: &Stated) -> Option<Differing> {
         let (from, to) = (self.trail.last(KEPT_S).next()?, self.trail.newest()?);
         let way = self
             .told
@@ -260,29 +255,23 @@ impl Own {
         let still = way.wheels_m.iter().all(|wheel_m| *wheel_m < stated.noise_m);
         let moved = way_m > STANDING_M + 6.0 * stated.noise_m
             || turned_rad.abs() > STANDING_RAD + 6.0 * stated.noise_rad;
-        (still && moved).then(|| {
-            format!(
-                "was told to stand and has moved by {:.0} mm and {:.0}°",
-                1e3 * way_m,
-                turned_rad.to_degrees()
-            )
-        })
+        (still && moved).then_some(Differing::MovedWhileStanding { way_m, turned_rad })
     }
 
     /// From all to less and to nothing; gives what is done about it, if anything is.
-    fn believed_less(&mut self, time_s: f64, near: bool) -> Option<&'static str> {
+    fn believed_less(&mut self, time_s: f64, near: bool) -> Option<Consequence> {
         match self.allowed {
             Allowed::All if !near => {
                 self.allowed = Allowed::Slow {
                     most_mps: SLOW_MPS.max(SLOW * self.told.speeds().speed_mps.abs()),
                     since_s: time_s,
                 };
-                Some("it goes on at half its speed")
+                Some(Consequence::HalfSpeed)
             }
             Allowed::Slow { since_s, .. } if time_s < since_s + SLOW_S => None,
             Allowed::All | Allowed::Slow { .. } => {
                 self.allowed = Allowed::Nothing;
-                Some("it stands for good")
+                Some(Consequence::Stands)
             }
             Allowed::Nothing => None,
         }
@@ -290,25 +279,20 @@ impl Own {
 }
 
 impl Differs {
-    fn text(self, stated: &Stated) -> String {
-        let error = 100.0 * stated.wheel_error;
+    fn beyond(self, stated: &Stated) -> Differing {
         match self {
-            Self::Lag(lag_s) => format!(
-                "follows its commands {lag_s:.2} s later than is stated, at most {:.2} s can be driven with: state `latency_s` under [poses]",
-                stated.lag_s
-            ),
-            Self::Course(course_rad) => format!(
-                "does not move where it heads but {:.0}° to the {}: is the body turned on the tracker? up to {:.0}° can be driven with",
-                course_rad.abs().to_degrees(),
-                if course_rad > 0.0 { "left" } else { "right" },
-                stated.course_rad.to_degrees()
-            ),
-            Self::Wheels(gains) => {
-                let [left, right] = gains.map(|gain| 100.0 * gain);
-                format!(
-                    "does not do what it is told: its left wheel does {left:.0} %, its right one {right:.0} %, and {error:.0} % of error are stated"
-                )
-            }
+            Self::Lag(lag_s) => Differing::Lag {
+                lag_s,
+                most_s: stated.lag_s,
+            },
+            Self::Course(course_rad) => Differing::Course {
+                course_rad,
+                most_rad: stated.course_rad,
+            },
+            Self::Wheels(gains) => Differing::Wheels {
+                gains,
+                error: stated.wheel_error,
+            },
         }
     }
 }

@@ -6,10 +6,12 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use testbed_sim::Tick;
+
 use super::csv::Sheet;
 use crate::Error;
-use crate::run_log::{Columns, RunSpec};
-use crate::tick::Tick;
+use crate::run_file::RunFile;
+use crate::run_table::Columns;
 
 /// Steps that wait for a slow disk: at 50 Hz those of 20 s.
 const WAITING: usize = 1000;
@@ -30,7 +32,7 @@ impl Journal {
     /// # Errors
     ///
     /// A file that is there already, perhaps of a session that was killed, or that cannot be written.
-    pub fn create(path: &Path, spec: &RunSpec) -> Result<Self, Error> {
+    pub fn create(path: &Path, spec: &RunFile) -> Result<Self, Error> {
         let failed = |source| Error::Write { source };
         let file = File::create_new(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::AlreadyExists => Error::Content {

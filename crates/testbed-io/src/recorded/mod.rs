@@ -11,6 +11,7 @@ mod tidy;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
 use crate::Error;
 use text::RawRobot;
@@ -82,18 +83,35 @@ pub enum FindingKind {
 }
 
 /// How a recording is laid out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+///
+/// - MRCLAM: time in s, x and y in m, heading in rad, between blanks; `#` begins a comment. A file per robot, named
+///   `<robot>_Groundtruth.dat`
+/// - Pioneer: a file per robot, named `<robot>_mocap_ground_pose.csv`
+/// - CSV: these columns in any order among others, `robot` unless the file is one robot's, with comma, semicolon or tab between them
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum RecordingLayout {
-    /// Whichever of the others fits, file by file
+    /// By header and extension
     #[default]
     Auto,
-    /// Ground truth of MRCLAM: time in s, x and y in m, heading in rad, between blanks; `#` begins
-    /// a comment. A file per robot, named `<robot>_Groundtruth.dat`
+    /// Groundtruth files of UTIAS MRCLAM: time x y heading
     Mrclam,
-    /// `t_s,x_m,y_m,theta_rad`. A file per robot, named `<robot>_mocap_ground_pose.csv`
+    /// t_s,x_m,y_m,theta_rad
     PioneerMocap,
-    /// Columns `time_s`, `x_m`, `y_m`, `heading_rad` and, unless the file is one robot's, `robot`,
-    /// in any order among others, with comma, semicolon or tab between them
+    /// time_s,robot,x_m,y_m,heading_rad
     Csv,
 }
 

@@ -4,23 +4,20 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs
 )]
 
-mod campaign;
-mod figures;
 mod json_lines;
-mod literal;
 mod log_file;
 mod natnet;
 mod natnet_axes;
 mod natnet_messages;
 mod path_files;
-mod random;
 mod recorded;
 mod replay;
 mod robotarium;
-mod runs;
-mod safety;
 mod shadow;
+#[path = "../../../testbed-sim/tests/it/shared.rs"]
+mod shared;

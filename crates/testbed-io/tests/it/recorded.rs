@@ -1,11 +1,11 @@
 //! Poses recorded elsewhere.
 
-use std::path::{Path, PathBuf};
-
 use proptest::prelude::*;
 use tempfile::TempDir;
 use testbed_io::Error;
 use testbed_io::recorded::{Finding, FindingKind, Recording, RecordingLayout, read_recording};
+
+use crate::shared::shared;
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -43,11 +43,6 @@ fn found(recording: &Recording, kind: FindingKind) -> Option<&Finding> {
         .findings
         .iter()
         .find(|finding| finding.kind == kind)
-}
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    Some(shared.join(path)).filter(|path| path.exists())
 }
 
 #[test]
@@ -192,7 +187,9 @@ fn files_that_are_no_recordings() {
 
 #[test]
 fn real_ground_truth() {
-    let Some(path) = shared("mrclam") else { return };
+    let Some(path) = shared("data/mrclam") else {
+        return;
+    };
     let recording = read_recording(&[path], RecordingLayout::Auto).unwrap();
     assert_eq!(recording.robots.len(), 5);
     for robot in &recording.robots {
@@ -211,7 +208,7 @@ fn real_ground_truth() {
 
 #[test]
 fn real_motion_capture() {
-    let Some(path) = shared("pioneer-mocap/duarte_mocap_ground_pose.csv") else {
+    let Some(path) = shared("data/pioneer-mocap/duarte_mocap_ground_pose.csv") else {
         return;
     };
     let recording = read_recording(&[path], RecordingLayout::PioneerMocap).unwrap();

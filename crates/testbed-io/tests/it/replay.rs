@@ -1,13 +1,14 @@
 //! Run logs in every format, and their replay.
 
+use testbed_io::RunFile;
 use testbed_io::log_file::{self, LogFormat};
-use testbed_io::{Disturbances, RunLog, RunSpec, Verdict};
+use testbed_sim::{Disturbances, Verdict};
 use unicycle_cbf::{Preset, Testbed};
 
-fn spec(preset: Preset) -> RunSpec {
+fn spec(preset: Preset) -> RunFile {
     let mut scenario = Testbed::Robotarium.scenario("decay", preset).unwrap();
     scenario.duration_s = 20.0;
-    RunSpec {
+    RunFile {
         seed: 3,
         scenario,
         disturbances: Disturbances::HARD,
@@ -24,7 +25,7 @@ fn every_decision_is_repeated_bit_for_bit_from_every_format() {
             let mut bytes = Vec::new();
             log_file::write(&table, format, &mut bytes).unwrap();
             let read = log_file::read_bytes(&bytes, format).unwrap();
-            let replay = RunLog::from_table(&read).unwrap().replay().unwrap();
+            let replay = read.run_log().unwrap().replay().unwrap();
             assert_eq!(replay.decisions, run.ticks.len());
             assert_eq!(replay.different, 0, "{format:?}: {:?}", replay.first);
         }
@@ -34,7 +35,7 @@ fn every_decision_is_repeated_bit_for_bit_from_every_format() {
 #[test]
 fn a_changed_decision_and_a_changed_pose_are_found() {
     let (run, _) = spec(Preset::Hardened).simulate().unwrap();
-    let log = RunLog::from_table(&run.to_table().unwrap()).unwrap();
+    let log = run.to_table().unwrap().run_log().unwrap();
     let mut changed = log.clone();
     changed.rows[500].decided[0] += 1e-15;
     let replay = changed.replay().unwrap();
@@ -69,11 +70,11 @@ fn tables_that_are_no_run_logs_are_refused() {
     let mut columns = table.clone().into_columns();
     columns.retain(|column| column.name != "force_n");
     let without = log_file::LogTable::new(table.meta(), columns.clone()).unwrap();
-    let error = RunLog::from_table(&without).unwrap_err().to_string();
+    let error = without.run_log().unwrap_err().to_string();
     assert!(error.contains("no column `force_n` of numbers"), "{error}");
     let other = log_file::LogTable::new("{\"a\": 1}", columns).unwrap();
-    let error = RunLog::from_table(&other).unwrap_err().to_string();
-    assert!(error.contains("is it one of `ctrl run`?"), "{error}");
+    let error = other.run_log().unwrap_err().to_string();
+    assert!(error.contains("the settings in the run log: "), "{error}");
 }
 
 #[test]
@@ -90,7 +91,7 @@ fn a_log_cut_between_two_lines_is_not_called_safe() {
             text = text.replace(" end\n", "\n");
         }
         let table = log_file::read_bytes(text.as_bytes(), LogFormat::Csv).unwrap();
-        RunLog::from_table(&table).unwrap().replay().unwrap()
+        table.run_log().unwrap().replay().unwrap()
     };
     for old in [false, true] {
         let whole = replay(lines.len(), old);

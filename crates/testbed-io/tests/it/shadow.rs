@@ -1,17 +1,11 @@
 //! Controllers beside recorded robots.
 
-use std::path::{Path, PathBuf};
-
 use testbed_io::recorded::{RecordingLayout, read_recording};
-use testbed_io::{outcomes_of, scenario_of, shadow};
+use testbed_io::{scenario_of, shadow};
+use testbed_sim::summary::outcomes_of;
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(name);
-    path.exists().then_some(path)
-}
+use crate::shared::shared;
 
 fn settings() -> unicycle_cbf::ControllerSettings {
     Testbed::Robotarium
@@ -65,7 +59,7 @@ fn gaps_stop_the_robot_and_all_else_does_not() {
 
 #[test]
 fn recorded_robots_give_decisions_throughout() {
-    let Some(folder) = shared("mrclam") else {
+    let Some(folder) = shared("data/mrclam") else {
         return;
     };
     let files = [1, 2, 3, 4, 5].map(|robot| folder.join(format!("Robot{robot}_Groundtruth.dat")));
@@ -84,7 +78,7 @@ fn recorded_robots_give_decisions_throughout() {
 
 #[test]
 fn another_number_of_robots_is_refused() {
-    let Some(file) = shared("pioneer-mocap/duarte_mocap_ground_pose.csv") else {
+    let Some(file) = shared("data/pioneer-mocap/duarte_mocap_ground_pose.csv") else {
         return;
     };
     let recording = read_recording(&[file], RecordingLayout::Auto).unwrap();

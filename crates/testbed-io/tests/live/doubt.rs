@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use testbed_io::live::{LinkSpec, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::{LogFormat, read_bytes, write};
-use testbed_io::{Disturbances, Error, Replay, Run, RunLog, RunSpec, Summary, Tick, Verdict};
+use testbed_io::{Error, LoggedRun, RunFile};
+use testbed_sim::{Disturbances, Replay, Summary, Tick, Verdict};
 use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 use super::faulty::{self, Faults};
@@ -45,7 +46,7 @@ impl Driven {
         let ended = session.run(&StopSwitch::default(), |update| match update {
             Update::Note(text) => {
                 println!("{now_s:.2} s: {text}");
-                notes.push((now_s, text.to_owned()));
+                notes.push((now_s, text.to_string()));
             }
             Update::Step { ticks, .. } => {
                 now_s = ticks[0].time_s;
@@ -69,13 +70,13 @@ impl Driven {
 
     /// Of its log as CSV.
     fn replay(&self) -> Replay {
-        let spec = RunSpec {
+        let spec = RunFile {
             seed: 1,
             scenario: self.spec.clone(),
             disturbances: Disturbances::default(),
             link: Some(self.link.clone()),
         };
-        let run = Run {
+        let run = LoggedRun {
             spec,
             ticks: self.ticks.clone(),
             started_unix_s: None,
@@ -83,7 +84,7 @@ impl Driven {
         let mut bytes = Vec::new();
         write(&run.to_table().unwrap(), LogFormat::Csv, &mut bytes).unwrap();
         let table = read_bytes(&bytes, LogFormat::Csv).unwrap();
-        let replay = RunLog::from_table(&table).unwrap().replay().unwrap();
+        let replay = table.run_log().unwrap().replay().unwrap();
         assert!(replay.different == 0 && !replay.truncated, "{replay:?}");
         replay
     }

@@ -142,7 +142,7 @@ impl Robots {
             let robot = command.robot as usize - 1;
             let robot = id(robot, self.faults.exchanged[1]) as usize - 1;
             self.world
-                .tell(robot, self.faults.speeds(&self.body, &command));
+                .command(robot, self.faults.speeds(&self.body, &command));
         }
     }
 }

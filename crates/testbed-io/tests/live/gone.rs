@@ -38,7 +38,7 @@ fn error(link: &LinkSpec) -> (String, f64, Vec<String>) {
     let (start, mut notes) = (Instant::now(), Vec::new());
     let error = session.run(&StopSwitch::default(), |update| {
         if let Update::Note(text) = update {
-            notes.push(text.to_owned());
+            notes.push(text.to_string());
         }
     });
     let error = error.unwrap_err().to_string();

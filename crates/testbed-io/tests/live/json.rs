@@ -8,7 +8,8 @@ use testbed_io::live::{
     CommandsSpec, Ending, JsonCommandsSpec, LinkSpec, PosesSpec, Session, StopSwitch,
 };
 use testbed_io::log_file::{LogFormat, write};
-use testbed_io::{Disturbances, Run, RunSpec, Verdict};
+use testbed_io::{LoggedRun, RunFile};
+use testbed_sim::{Disturbances, Verdict};
 use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Testbed};
 
 use super::faulty::{self, Faults};
@@ -62,13 +63,13 @@ fn a_recording_is_played_fast_and_in_real_time() {
     let (ticks, ..) = run(&scenario, &first, &StopSwitch::default(), |_| {});
     robots.join().unwrap();
     let recorded = ticks.len();
-    let run_spec = RunSpec {
+    let run_spec = RunFile {
         seed: 1,
         scenario: spec,
         disturbances: Disturbances::default(),
         link: Some(first),
     };
-    let table = Run {
+    let table = LoggedRun {
         spec: run_spec,
         ticks,
         started_unix_s: None,

@@ -5,10 +5,11 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use testbed_io::RunFile;
 use testbed_io::live::natnet::{Body, Frame, Message, Version, decode, encode_frame};
 use testbed_io::live::{Ending, StopSwitch};
 use testbed_io::log_file::{Journal, read};
-use testbed_io::{Disturbances, RunLog, RunSpec};
+use testbed_sim::Disturbances;
 
 use super::testbed::{IDS, KheperaTestbed, run};
 
@@ -222,7 +223,7 @@ fn a_stopped_session_has_a_whole_log() {
     let testbed = KheperaTestbed::start(Version::new(4, 1), 60.0);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.partial.csv");
-    let spec = RunSpec {
+    let spec = RunFile {
         seed: 1,
         scenario: testbed.scenario.spec().clone(),
         disturbances: Disturbances::default(),
@@ -243,7 +244,7 @@ fn a_stopped_session_has_a_whole_log() {
             if ticks[0].time_s > 4.0 && asked.is_none() {
                 // What is in the file now is what a kill would leave.
                 std::thread::sleep(Duration::from_millis(5));
-                let log = RunLog::from_table(&read(&file).unwrap()).unwrap();
+                let log = read(&file).unwrap().run_log().unwrap();
                 assert!(log.rows.len() >= 2 * (steps - 1));
                 asked = Some(Instant::now());
                 stop.stop();
@@ -259,7 +260,7 @@ fn a_stopped_session_has_a_whole_log() {
     journal.finish().unwrap();
     let table = read(&file).unwrap();
     assert!(!table.truncated());
-    let log = RunLog::from_table(&table).unwrap();
+    let log = table.run_log().unwrap();
     assert_eq!(log.rows.len(), 2 * steps);
     let replay = log.replay().unwrap();
     assert_eq!((replay.decisions, replay.different), (2 * steps, 0));

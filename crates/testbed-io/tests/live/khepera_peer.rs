@@ -72,7 +72,7 @@ fn serve(robot: usize, socket: &UdpSocket, world: &World, body: Body, wireless: 
             ["$K3DRV", "REQ", "INIT"] => "$K3DRV,RES,INIT",
             ["$K3DRV", "REQ", "CTRL", right, left] => {
                 let speed = |counts: &str| f64::from(counts.parse::<i32>().unwrap()) * COUNT_MPS;
-                world.tell(
+                world.command(
                     robot,
                     body.speeds_of(WheelSpeeds {
                         left_mps: speed(left),

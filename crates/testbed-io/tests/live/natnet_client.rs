@@ -232,10 +232,16 @@ fn the_server_is_kept_awake() {
     let server = NatNetServer::start(Version::new(3, 1), RATE_HZ, circles);
     let client = Client::start(&unicast(&server));
     client.until_poses();
-    thread::sleep(Duration::from_millis(3500));
+    let start = Instant::now();
+    while server.heard().0 < 2 || server.heard().1 < 3 {
+        assert!(start.elapsed().as_secs() < 20, "{:?}", server.heard());
+        thread::sleep(Duration::from_millis(2));
+    }
+    // One of each a second, and not more often.
     let (connects, keep_alives) = server.heard();
-    println!("in 3.5 s: {connects} connects, {keep_alives} keep-alives");
-    assert!((2..=4).contains(&connects) && (3..=5).contains(&keep_alives));
+    let most = start.elapsed().as_secs() as u32 + 3;
+    println!("{connects} connects, {keep_alives} keep-alives");
+    assert!(connects.max(keep_alives) <= most);
 }
 
 #[test]

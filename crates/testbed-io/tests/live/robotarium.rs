@@ -5,7 +5,7 @@ use std::net::UdpSocket;
 use testbed_io::live::commands::RobotariumUdpSpec;
 use testbed_io::live::robotarium::RobotariumSpec;
 use testbed_io::live::{Arena, CommandsSpec, Ending, LinkSpec, LiveReport, PosesSpec, StopSwitch};
-use testbed_io::{Summary, Tick};
+use testbed_sim::{Summary, Tick};
 use unicycle_cbf::{Pose, Preset, Scenario, Speeds, Testbed};
 
 use super::mosquitto::Mosquitto;

@@ -8,7 +8,7 @@ use testbed_io::live::natnet::{NatNetSpec, Transport, Version};
 use testbed_io::live::{
     CommandsSpec, LinkSpec, LiveReport, PosesSpec, Session, StopSwitch, Update,
 };
-use testbed_io::{Summary, Tick};
+use testbed_sim::{Summary, Tick};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
 use super::khepera_peer::{COUNT_MPS, Kheperas};

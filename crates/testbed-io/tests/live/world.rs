@@ -80,7 +80,7 @@ impl World {
         (world, moving)
     }
 
-    pub fn tell(&self, robot: usize, speeds: Speeds) {
+    pub fn command(&self, robot: usize, speeds: Speeds) {
         let mut state = self.0.lock().unwrap();
         let robot = &mut state.robots[robot];
         robot.speeds = speeds;

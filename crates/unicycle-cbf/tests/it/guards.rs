@@ -41,7 +41,7 @@ fn far_ahead() -> Leader {
 
 #[test]
 fn outside_the_lane_the_thesis_barriers_give_way_and_say_so() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         let controller = thesis(testbed);
         let lane_m = controller.settings().lane.half_width_m;
         let own = beside(&controller, 2.0 * lane_m, 0.0);

@@ -4,6 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs
 )]
@@ -14,6 +15,8 @@ mod path;
 mod qp;
 mod reference;
 mod scenarios;
+#[path = "../../../testbed-sim/tests/it/shared.rs"]
+mod shared;
 mod states;
 mod tracks;
 mod units;

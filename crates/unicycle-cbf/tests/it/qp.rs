@@ -11,6 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use unicycle_cbf::qp::{MAX_ROWS, Row, Solution, Status, VARIABLES, solve};
 
+use crate::shared::shared;
+
 use clarabel::Worst;
 use programs::{FAMILIES, Program, Vector, norm, program};
 
@@ -243,13 +245,10 @@ fn a_shared_slack_takes_up_a_contradiction() {
 
 #[test]
 fn optima_of_the_controller_agree() {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/vectors/control.json"
-    );
-    let Ok(text) = std::fs::read_to_string(file) else {
+    let Some(file) = shared("vectors/control.json") else {
         return;
     };
+    let text = std::fs::read_to_string(file).unwrap();
     let document: Value = serde_json::from_str(&text).unwrap();
     let numbers = |value: &Value| -> Vec<f64> {
         value

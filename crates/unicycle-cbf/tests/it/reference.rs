@@ -4,6 +4,8 @@ use serde_json::Value;
 use unicycle_cbf::cbf::LaneBarrier;
 use unicycle_cbf::{Controller, Deviation, Leader, Preset, State, Testbed};
 
+use crate::shared::shared;
+
 use crate::states::controller;
 
 fn number(value: &Value) -> f64 {
@@ -53,13 +55,10 @@ fn controller_of(case: &Value) -> Controller {
 }
 
 fn cases() -> Vec<Value> {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/vectors/control.json"
-    );
-    let Ok(text) = std::fs::read_to_string(file) else {
+    let Some(file) = shared("vectors/control.json") else {
         return Vec::new();
     };
+    let text = std::fs::read_to_string(file).unwrap();
     let document: Value = serde_json::from_str(&text).unwrap();
     document["cases"].as_array().unwrap().clone()
 }

@@ -14,7 +14,7 @@ fn refusal(change: impl FnOnce(&mut ScenarioSpec)) -> String {
 
 #[test]
 fn every_built_in_scenario_can_be_run() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         for name in testbed.scenarios() {
             for preset in [Preset::Thesis, Preset::Hardened] {
                 let spec = testbed.scenario(name, preset).unwrap();

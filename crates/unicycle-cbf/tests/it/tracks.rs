@@ -85,7 +85,7 @@ fn a_robot_of_which_nothing_is_known_is_on_the_branch_along_which_it_heads() {
     let mut tracks = Tracks::new(&scenario);
     for share in [0.495, 0.99, 0.495] {
         let state = along(controller, share * length_m, 0.0);
-        tracks.forget(0);
+        tracks.reset(0);
         let foot = tracks.foot(controller, 0, &state);
         assert!((foot.s_m - share * length_m).abs() < 1e-6, "{share}");
     }

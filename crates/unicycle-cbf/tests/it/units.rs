@@ -146,7 +146,7 @@ fn a_radius_out_of_which_the_wheels_stand_is_refused() {
 /// As large or small as robots of these testbeds' kind are, and larger ones.
 #[test]
 fn what_robots_have_is_believed() {
-    for testbed in Testbed::ALL {
+    for &testbed in Testbed::ALL {
         for name in testbed.scenarios() {
             for preset in [Preset::Thesis, Preset::Hardened] {
                 Scenario::new(testbed.scenario(name, preset).unwrap()).unwrap();

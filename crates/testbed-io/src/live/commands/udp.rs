@@ -102,14 +102,14 @@ impl UdpRobots {
     ) -> Vec<usize> {
         let start = Instant::now();
         let first = self.robots.clone();
-        let mut settled = first.clone();
+        let mut confirmed = first.clone();
         for round in 1.. {
             self.send_to_all(message);
             std::thread::sleep(ROUND);
             self.take_answers(is_answer);
             if round == ROUNDS {
                 // Answers until now may be to what was sent before.
-                settled.clone_from(&self.robots);
+                confirmed.clone_from(&self.robots);
             }
             if round < ROUNDS {
                 continue;
@@ -117,7 +117,7 @@ impl UdpRobots {
             let certain = |robot: &usize| {
                 let now = self.robots[*robot];
                 now.sent >= first[*robot].sent + ROUNDS
-                    && now.answers >= settled[*robot].answers + answers
+                    && now.answers >= confirmed[*robot].answers + answers
             };
             let robots = 0..self.robots.len();
             let missing: Vec<usize> = robots.filter(|robot| !certain(robot)).collect();

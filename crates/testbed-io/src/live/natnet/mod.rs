@@ -7,10 +7,12 @@ mod decode;
 mod encode;
 mod frame;
 mod session;
+mod spec;
 mod state;
 
 pub use axes::{Up, floor_pose};
-pub use client::{NatNetSpec, Transport, start};
+pub use client::start;
 pub use decode::decode;
 pub use encode::{encode_connect, encode_frame, encode_keep_alive, encode_server_info};
 pub use frame::{Body, Channel, Frame, Malformed, Message, ServerInfo, Stamps, Version};
+pub use spec::{NatNetSpec, Transport};

@@ -8,10 +8,10 @@ use std::time::Duration;
 use super::super::counts::Dropped;
 use super::super::inbox::{Inbox, Seen};
 use super::axes::floor_pose;
-use super::client::{NatNetSpec, Transport};
 use super::decode::{decode, is_frame};
 use super::encode::{encode_connect, encode_keep_alive};
 use super::frame::{Frame, Malformed, Message, ServerInfo, Version};
+use super::spec::{NatNetSpec, Transport};
 use super::state::{PUZZLING, State};
 
 /// The user is told after this time without an answer, in s.
@@ -56,7 +56,7 @@ impl Session {
         let mut buffer = vec![0; DATAGRAM_BYTES];
         while !self.inbox.has_ended() {
             if let Err(source) = self.send_due(socket) {
-                self.tell_unanswered(&source.to_string());
+                self.report_unanswered(&source.to_string());
             }
             self.receive(socket, &mut buffer);
         }
@@ -74,7 +74,7 @@ impl Session {
         }
         let asked_for_long = now_s - self.started_s > UNANSWERED_S;
         if asked_for_long && self.lock().info.is_none() {
-            self.tell_unanswered("no answer");
+            self.report_unanswered("no answer");
         }
         Ok(())
     }
@@ -232,7 +232,7 @@ impl Session {
         }
     }
 
-    fn tell_unanswered(&self, problem: &str) {
+    fn report_unanswered(&self, problem: &str) {
         let mut state = self.lock();
         if state.told_unanswered {
             return;

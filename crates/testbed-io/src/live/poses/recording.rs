@@ -8,7 +8,6 @@ use unicycle_cbf::StampedPose;
 use crate::error::Error;
 use crate::live::inbox::{Inbox, Seen};
 use crate::log_file;
-use crate::run_log::RunLog;
 
 /// Which run log, and how fast.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,8 +41,8 @@ pub(in crate::live) struct Recorded {
 impl Recorded {
     /// For a number of robots.
     pub(in crate::live) fn open(spec: &RecordingSpec, robots: usize) -> Result<Self, Error> {
-        let log = RunLog::from_table(&log_file::read(&spec.file)?)?;
-        let recording = log.spec.scenario.robots.len();
+        let log = log_file::read(&spec.file)?.run_log()?;
+        let recording = log.scenario.robots.len();
         if recording != robots {
             return Err(Error::RobotCount {
                 scenario: robots,

@@ -169,7 +169,7 @@ pub(super) async fn connect(
     status: &Status,
     end: &mut watch::Receiver<()>,
 ) -> bool {
-    forget(connection);
+    discard_queued(connection);
     let attempts = async {
         tokio::time::sleep(BEFORE).await;
         while let Err(error) = connection.poll().await {
@@ -183,8 +183,8 @@ pub(super) async fn connect(
     }
 }
 
-/// Closes the connection and forgets what was to be sent on it: the library would send it after the next connect.
-fn forget(connection: &mut EventLoop) {
+/// Closes the connection and discards what was to be sent on it: the library would send it after the next connect.
+fn discard_queued(connection: &mut EventLoop) {
     connection.clean();
     connection.pending.clear();
     connection.state.events.clear();

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
 use testbed_io::log_file::{Column, LogFormat, LogTable, Values, read_bytes, write};
-use testbed_io::{Disturbances, Error, RunSpec};
+use testbed_io::{Error, RunFile};
+use testbed_sim::Disturbances;
 
 use unicycle_cbf::{Preset, ScenarioSpec, Testbed};
 
@@ -144,7 +145,7 @@ fn simulated() -> LogTable {
     let scenario = Testbed::Khepera
         .scenario("on-off", Preset::Hardened)
         .unwrap();
-    let spec = RunSpec {
+    let spec = RunFile {
         seed: 3,
         scenario: ScenarioSpec {
             duration_s: 4.0,

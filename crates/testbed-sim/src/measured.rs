@@ -1,0 +1,177 @@
+//! Real robots by the poses that were measured of them, in a session and in its replay.
+
+use unicycle_cbf::{Located, Scenario, Speeds, StampedPose, State, Tracks};
+
+use crate::sight::{BESIDE_S, Glimpse, Sights};
+use crate::summary::Summarising;
+use crate::tick::Truth;
+
+/// How far each wheel may be off what it is told where less is stated.
+const WHEEL_ERROR: f64 = 0.1;
+
+/// Judges a session.
+#[derive(Debug)]
+pub struct Measured<'a> {
+    scenario: &'a Scenario,
+    /// Whether the robots hear the commands; else they go as fast as they can where nobody sees them
+    is_told: bool,
+    /// The newest by stamp
+    poses: Vec<Option<StampedPose>>,
+    tracks: Tracks,
+    /// Of the points of interest, of those that are about as old as each other
+    places: Vec<Option<State>>,
+    sights: Sights,
+}
+
+impl<'a> Measured<'a> {
+    /// Nobody seen yet; `is_told` says whether the robots hear the commands.
+    #[must_use]
+    pub fn new(scenario: &'a Scenario, is_told: bool) -> Self {
+        let robots = scenario.starts().len();
+        let controller = scenario.controller();
+        let most_age_s = controller.settings().hardening.max_pose_age_s;
+        let most_age_s = most_age_s.unwrap_or(f64::INFINITY);
+        Self {
+            scenario,
+            is_told,
+            poses: vec![None; robots],
+            tracks: Tracks::new(scenario),
+            places: Vec::with_capacity(robots),
+            sights: Sights::new(
+                robots,
+                most_age_s,
+                controller.least_distance_m(),
+                most_mps(scenario),
+            ),
+        }
+    }
+
+    /// What was seen of them so far.
+    pub fn sights(&mut self) -> &mut Sights {
+        &mut self.sights
+    }
+
+    /// Takes in a pose that is believed, in the order of stamps; `told_m` gives the way that a robot was told to go in all up to a
+    /// time, in m. Gives how far it is from the path, in m.
+    pub fn saw(
+        &mut self,
+        robot: usize,
+        seen: StampedPose,
+        told_m: impl Fn(usize, f64) -> f64 + Copy,
+        summary: &mut Summarising,
+    ) -> Option<f64> {
+        self.poses[robot] = Some(seen);
+        self.follow(robot, seen);
+        let Truth { safety, .. } = self.truth(robot, Speeds::ZERO)?;
+        if seen.stamp_s >= 0.0 {
+            summary.add_measured(seen.stamp_s, &safety);
+            self.judge_distances(seen.stamp_s, summary);
+        }
+        let half_width_m = self.scenario.spec().controller.lane.half_width_m;
+        let glimpse = Glimpse {
+            stamp_s: seen.stamp_s,
+            place_m: [seen.pose.x_m, seen.pose.y_m],
+            clearance_m: half_width_m - safety.deviation_m.abs(),
+        };
+        let way_m = most_way_m(self.scenario, self.is_told, told_m);
+        self.sights.saw(robot, glimpse, way_m);
+        Some(safety.deviation_m)
+    }
+
+    /// The session is over.
+    pub fn over(&mut self, time_s: f64, told_m: impl Fn(usize, f64) -> f64 + Copy) {
+        let way_m = most_way_m(self.scenario, self.is_told, told_m);
+        self.sights.over(time_s, way_m);
+    }
+
+    /// How safe a robot is by its newest pose if it has these speeds.
+    #[must_use]
+    pub fn truth(&self, robot: usize, speeds: Speeds) -> Option<Truth> {
+        self.truth_of(robot, speeds, &self.poses)
+    }
+
+    /// The same by other poses of about this time. A measured pose counts as the truth, with the speeds that the robot was told.
+    #[must_use]
+    pub fn truth_of(
+        &self,
+        robot: usize,
+        speeds: Speeds,
+        poses: &[Option<StampedPose>],
+    ) -> Option<Truth> {
+        let controller = self.scenario.controller();
+        let own = poses[robot]?;
+        let ahead = self.ahead(robot, own.stamp_s, poses);
+        let located = self.located(robot, own, speeds);
+        Some(Truth {
+            state: located.state,
+            safety: self
+                .tracks
+                .safety(controller, robot, &located, ahead.as_ref()),
+        })
+    }
+
+    fn follow(&mut self, robot: usize, seen: StampedPose) {
+        // Before the start robots may be carried about.
+        if seen.stamp_s < 0.0 {
+            self.tracks.reset(robot);
+        }
+        let controller = self.scenario.controller();
+        let state = seen.pose.state(controller.body().offset_m, Speeds::ZERO);
+        let own = self.tracks.located(controller, robot, state);
+        if let Some(ahead) = self.ahead(robot, seen.stamp_s, &self.poses) {
+            self.tracks.follow(controller, robot, &own, &ahead);
+        }
+    }
+
+    /// The robot before one in the list, unless it was seen too long ago.
+    fn ahead(&self, robot: usize, time_s: f64, poses: &[Option<StampedPose>]) -> Option<Located> {
+        let ahead = robot.checked_sub(1)?;
+        let seen = poses[ahead].filter(|seen| time_s - seen.stamp_s <= BESIDE_S)?;
+        Some(self.located(ahead, seen, Speeds::ZERO))
+    }
+
+    fn located(&self, robot: usize, seen: StampedPose, speeds: Speeds) -> Located {
+        let offset_m = self.scenario.controller().body().offset_m;
+        self.tracks.last(robot, seen.pose.state(offset_m, speeds))
+    }
+
+    /// Of poses that are about as old as each other.
+    fn judge_distances(&mut self, time_s: f64, summary: &mut Summarising) {
+        let offset_m = self.scenario.controller().body().offset_m;
+        let beside = |seen: &StampedPose| (time_s - seen.stamp_s).abs() <= BESIDE_S;
+        let places = self.poses.iter().map(|seen| {
+            let seen = seen.filter(beside)?;
+            Some(seen.pose.state(offset_m, Speeds::ZERO))
+        });
+        self.places.clear();
+        self.places.extend(places);
+        summary.add_places(time_s, &self.places);
+    }
+}
+
+/// The way that a robot can have gone: what it was told and the error of its wheels, or all that its wheels can.
+fn most_way_m(
+    scenario: &Scenario,
+    is_told: bool,
+    told_m: impl Fn(usize, f64) -> f64 + Copy,
+) -> impl Fn(usize, f64) -> f64 + Copy {
+    let most_mps = most_mps(scenario);
+    let factor = wheel_factor(scenario);
+    move |robot, time_s| {
+        if is_told {
+            factor * told_m(robot, time_s)
+        } else {
+            most_mps * time_s
+        }
+    }
+}
+
+fn wheel_factor(scenario: &Scenario) -> f64 {
+    let error = scenario.controller().settings().hardening.wheel_error;
+    1.0 + error.max(WHEEL_ERROR)
+}
+
+/// What wheels can do, error and all, in m/s.
+fn most_mps(scenario: &Scenario) -> f64 {
+    wheel_factor(scenario) * scenario.controller().body().max_wheel_speed_mps
+}

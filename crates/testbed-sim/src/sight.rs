@@ -1,0 +1,381 @@
+//! For how long robots were not seen, and whether one can have left its lane or touched another meanwhile.
+
+/// Poses of two robots that are farther apart than this in time are not compared, in s.
+pub(crate) const BESIDE_S: f64 = 0.3;
+
+/// For how long a robot has to be seen without a break, in s, before it is known to do as it is told: the shorter time over which poses
+/// are compared with commands.
+const COMPARED_S: f64 = 0.8;
+
+/// Why it is not known whether a session was safe, with robots by their indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// No pose of it came
+    NeverSeen(usize),
+    /// It can have left its lane unseen
+    Lane(usize),
+    /// They can have touched while one of them was not seen
+    Touch([usize; 2]),
+    /// The same as [`Doubt::Lane`] of one that nobody knows to do as it is told
+    LaneAtWill(usize),
+    /// The same as [`Doubt::Touch`] where one of them is such a robot
+    TouchAtWill([usize; 2]),
+    /// Its poses said for long that it is where it cannot be
+    Disbelieved(usize),
+}
+
+impl Doubt {
+    /// For people, who know robots by their ids.
+    #[must_use]
+    pub fn text(self, ids: &[u32]) -> String {
+        let id = |robot: usize| {
+            ids.get(robot)
+                .map_or_else(|| "?".to_owned(), ToString::to_string)
+        };
+        match self {
+            Self::NeverSeen(robot) => format!("robot {} was never seen", id(robot)),
+            Self::Lane(robot) => format!(
+                "robot {} was unseen for longer than its commands needed to the edge of its lane",
+                id(robot)
+            ),
+            Self::Touch([a, b]) => format!(
+                "robots {} and {} were unseen for longer than their commands needed to each other",
+                id(a),
+                id(b)
+            ),
+            Self::LaneAtWill(robot) => format!(
+                "robot {} was seen too seldom to know that it does as it is told, and was unseen for longer than its wheels need to the edge of its lane",
+                id(robot)
+            ),
+            Self::TouchAtWill([a, b]) => format!(
+                "robots {} and {} were seen too seldom to know that they do as they are told, and were unseen for longer than their wheels need to each other",
+                id(a),
+                id(b)
+            ),
+            Self::Disbelieved(robot) => format!(
+                "poses of robot {} said that it is where its commands cannot have led it",
+                id(robot)
+            ),
+        }
+    }
+}
+
+/// A pose that is believed.
+#[derive(Debug, Clone, Copy)]
+pub struct Glimpse {
+    /// When it was true, in s
+    pub stamp_s: f64,
+    /// Middle of the axle, in m
+    pub place_m: [f64; 2],
+    /// To the edge of the lane, in m
+    pub clearance_m: f64,
+}
+
+/// What was seen of all robots over a session.
+#[derive(Debug)]
+pub struct Sights {
+    /// Older poses are not acted on, in s
+    most_age_s: f64,
+    /// Between the middles of two axles, in m
+    least_distance_m: f64,
+    /// What a robot may drive that does not do as it is told, in m/s
+    most_mps: f64,
+    robots: Vec<Sight>,
+    doubts: Vec<Doubt>,
+}
+
+/// What was seen of one.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sight {
+    /// Stamp of the newest pose that came in time to act on it, in s
+    usable_s: f64,
+    unseen_s: f64,
+    longest_s: f64,
+    /// Stamp of the pose since which it is seen without a break, in s
+    steady_from_s: f64,
+    /// The newest pose of all, with the way that the robot can have gone up to then, in m
+    last: Option<(Glimpse, f64)>,
+}
+
+impl Sights {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(robots: usize, most_age_s: f64, least_distance_m: f64, most_mps: f64) -> Self {
+        Self {
+            most_age_s,
+            least_distance_m,
+            most_mps,
+            robots: vec![Sight::default(); robots],
+            doubts: Vec::new(),
+        }
+    }
+
+    /// A pose with this stamp is there at `now_s`.
+    pub fn has(&mut self, robot: usize, stamp_s: f64, now_s: f64) {
+        if now_s - stamp_s <= self.most_age_s {
+            self.robots[robot].add_gap(stamp_s, self.most_age_s);
+        }
+    }
+
+    /// Any pose that is believed, in the order of stamps; `way_m` gives how far a robot can have gone in all up to a time, in m.
+    /// Before the start robots may be carried about.
+    pub fn saw(&mut self, robot: usize, seen: Glimpse, way_m: impl Fn(usize, f64) -> f64 + Copy) {
+        let started = seen.stamp_s >= 0.0;
+        if started {
+            self.check(robot, seen.stamp_s, way_m);
+        }
+        let most_age_s = self.most_age_s;
+        self.robots[robot].take(seen, way_m(robot, seen.stamp_s), most_age_s);
+        if started {
+            self.check(robot, seen.stamp_s, way_m);
+        }
+    }
+
+    /// The session is over; without a start, at no time.
+    pub fn over(&mut self, time_s: f64, way_m: impl Fn(usize, f64) -> f64 + Copy) {
+        for robot in 0..self.robots.len() {
+            self.robots[robot].add_gap(time_s, self.most_age_s);
+            self.check(robot, time_s, way_m);
+            if self.robots[robot].last.is_none() {
+                self.doubt(Doubt::NeverSeen(robot));
+            }
+        }
+    }
+
+    /// Takes note of a reason, once.
+    pub fn doubt(&mut self, doubt: Doubt) {
+        if !self.doubts.contains(&doubt) {
+            self.doubts.push(doubt);
+        }
+    }
+
+    /// Why it is not known whether the session was safe; nothing where it is.
+    #[must_use]
+    pub fn doubts(&self) -> &[Doubt] {
+        &self.doubts
+    }
+
+    /// In all, of each robot, in s.
+    #[must_use]
+    pub fn unseen_s(&self) -> Vec<f64> {
+        self.robots.iter().map(|sight| sight.unseen_s).collect()
+    }
+
+    /// At one time, of each robot, in s.
+    #[must_use]
+    pub fn longest_s(&self) -> Vec<f64> {
+        self.robots.iter().map(|sight| sight.longest_s).collect()
+    }
+
+    /// Whether the ways that robots can have gone since they were seen lead a robot to the edge of its lane or to another one.
+    fn check(&mut self, robot: usize, until_s: f64, way_m: impl Fn(usize, f64) -> f64 + Copy) {
+        let Some(own) = self.reach(robot, until_s, way_m) else {
+            return;
+        };
+        let is_unseen = until_s - own.from.stamp_s > self.most_age_s;
+        if is_unseen && own.way_m > own.from.clearance_m.max(0.0) {
+            self.doubt(if own.is_known {
+                Doubt::Lane(robot)
+            } else {
+                Doubt::LaneAtWill(robot)
+            });
+        }
+        for other in (0..self.robots.len()).filter(|other| *other != robot) {
+            let Some(theirs) = self.reach(other, until_s, way_m) else {
+                continue;
+            };
+            let apart_m = distance_m(own.from.place_m, theirs.from.place_m);
+            let is_unseen = until_s - own.from.stamp_s.min(theirs.from.stamp_s) > BESIDE_S;
+            if is_unseen && apart_m - own.way_m - theirs.way_m < self.least_distance_m {
+                let pair = [robot.min(other), robot.max(other)];
+                self.doubt(if own.is_known && theirs.is_known {
+                    Doubt::Touch(pair)
+                } else {
+                    Doubt::TouchAtWill(pair)
+                });
+            }
+        }
+    }
+
+    /// How far a robot can have gone since it was seen last: as its commands say where it is known to do as it is told, else at the speed
+    /// of its wheels.
+    fn reach(
+        &self,
+        robot: usize,
+        until_s: f64,
+        way_m: impl Fn(usize, f64) -> f64,
+    ) -> Option<Reach> {
+        let sight = &self.robots[robot];
+        let (from, before_m) = sight.last?;
+        let is_seldom = until_s - from.stamp_s > self.most_age_s;
+        let is_known = !is_seldom || from.stamp_s - sight.steady_from_s >= COMPARED_S;
+        let way_m = if is_known {
+            way_m(robot, until_s) - before_m
+        } else {
+            self.most_mps * (until_s - from.stamp_s.max(0.0))
+        };
+        Some(Reach {
+            from,
+            way_m,
+            is_known,
+        })
+    }
+}
+
+/// How far a robot can have gone from where it was seen.
+struct Reach {
+    from: Glimpse,
+    way_m: f64,
+    /// It does as it is told, as far as anybody knows
+    is_known: bool,
+}
+
+impl Sight {
+    fn take(&mut self, seen: Glimpse, way_m: f64, most_age_s: f64) {
+        let last_s = self.last.map(|(last, _)| last.stamp_s);
+        if last_s.is_none_or(|last_s| seen.stamp_s - last_s > most_age_s) {
+            self.steady_from_s = seen.stamp_s;
+        }
+        self.last = Some((seen, way_m));
+    }
+
+    fn add_gap(&mut self, until_s: f64, most_age_s: f64) {
+        let gap_s = until_s - self.usable_s;
+        self.usable_s = self.usable_s.max(until_s);
+        if gap_s > most_age_s {
+            self.unseen_s += gap_s;
+            self.longest_s = self.longest_s.max(gap_s);
+        }
+    }
+}
+
+fn distance_m([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+    (ax - bx).hypot(ay - by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn glimpse(stamp_s: f64, x_m: f64, clearance_m: f64) -> Glimpse {
+        Glimpse {
+            stamp_s,
+            place_m: [x_m, 0.0],
+            clearance_m,
+        }
+    }
+
+    /// 0.1 m/s until 2 s, then it stands.
+    fn way_m(_: usize, until_s: f64) -> f64 {
+        0.1 * until_s.min(2.0)
+    }
+
+    /// Seen without a break for a second up to 0 s.
+    fn steady(robot: usize, x_m: f64, clearance_m: f64, sights: &mut Sights) {
+        for stamp_s in [-1.0, -0.8, -0.6, -0.4, -0.2, 0.0] {
+            sights.saw(robot, glimpse(stamp_s, x_m, clearance_m), way_m);
+        }
+    }
+
+    #[test]
+    fn seconds_without_a_usable_pose_are_counted_whole() {
+        let mut sights = Sights::new(1, 0.3, 0.1, 0.1);
+        for stamp_s in [0.1, 0.3, 1.3, 1.5, 3.5, 3.6] {
+            sights.has(0, stamp_s, stamp_s + 0.1);
+            sights.has(0, stamp_s + 0.2, stamp_s + 0.6);
+        }
+        sights.over(4.0, way_m);
+        assert!((sights.unseen_s()[0] - 3.4).abs() < 1e-9, "{sights:?}");
+        assert!((sights.longest_s()[0] - 2.0).abs() < 1e-9);
+        assert_eq!(sights.doubts(), [Doubt::NeverSeen(0)]);
+    }
+
+    #[test]
+    fn it_is_enough_where_commands_do_not_lead_to_the_edge_meanwhile() {
+        for (clearance_m, again_s, enough) in [
+            (0.15, 1.4, true),
+            (0.05, 1.4, false),
+            (0.15, 9.0, false),
+            (0.25, 9.0, true),
+        ] {
+            let mut sights = Sights::new(1, 0.3, 0.1, 0.1);
+            steady(0, 0.0, clearance_m, &mut sights);
+            sights.saw(0, glimpse(again_s, 0.0, clearance_m), way_m);
+            assert_eq!(
+                sights.doubts().is_empty(),
+                enough,
+                "{clearance_m} m, {again_s} s"
+            );
+        }
+    }
+
+    #[test]
+    fn robots_that_can_have_touched_unseen_are_doubted() {
+        // Each can have gone 0.1 m by then, or 0.2 m where neither is seen again.
+        for (apart_m, again, touch) in [
+            (0.45, [true, true], false),
+            (0.25, [true, true], true),
+            (0.35, [true, false], true),
+            (0.45, [false, false], true),
+            (0.55, [false, false], false),
+        ] {
+            let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
+            let x_m = |robot: usize| apart_m * robot as f64;
+            for robot in 0..2 {
+                steady(robot, x_m(robot), 1.0, &mut sights);
+            }
+            for (robot, _) in again.into_iter().enumerate().filter(|(_, again)| *again) {
+                sights.saw(robot, glimpse(1.0, x_m(robot), 1.0), way_m);
+            }
+            if again != [true, true] {
+                sights.over(4.0, way_m);
+            }
+            // Whoever is seen once after a break is not known to do as it is told.
+            let [Doubt::Touch([0, 1]) | Doubt::TouchAtWill([0, 1])] = sights.doubts() else {
+                assert!(
+                    !touch && sights.doubts().is_empty(),
+                    "{apart_m} m, {again:?}"
+                );
+                continue;
+            };
+            assert!(touch, "{apart_m} m, {again:?}");
+        }
+    }
+
+    /// Poses at 1 Hz: between two of them a robot that does not do as it is told goes 0.1 m, and two of them 0.2 m.
+    #[test]
+    fn commands_say_nothing_of_robots_that_are_seen_too_seldom_to_know_whether_they_obey() {
+        for (clearance_m, apart_m, doubts) in [
+            (0.12, 0.35, &[][..]),
+            (
+                0.09,
+                0.35,
+                &[Doubt::LaneAtWill(0), Doubt::LaneAtWill(1)][..],
+            ),
+            (0.12, 0.28, &[Doubt::TouchAtWill([0, 1])][..]),
+        ] {
+            let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
+            for second in -3..10 {
+                for robot in 0..2 {
+                    let x_m = apart_m * robot as f64;
+                    let seen = glimpse(f64::from(second), x_m, clearance_m);
+                    sights.saw(robot, seen, |_, _| 0.0);
+                }
+            }
+            assert_eq!(sights.doubts(), doubts, "{clearance_m} m, {apart_m} m");
+        }
+    }
+
+    #[test]
+    fn robots_that_stand_and_are_carried_before_the_start_are_not_doubted() {
+        let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
+        sights.saw(0, glimpse(-5.0, 0.0, 0.1), |_, _| 0.0);
+        sights.saw(1, glimpse(-5.0, 0.05, 0.1), |_, _| 0.0);
+        for stamp_s in [-1.0, -0.8, -0.6, -0.4, -0.2, -0.1] {
+            sights.saw(0, glimpse(stamp_s, 0.0, 0.1), |_, _| 0.0);
+            sights.saw(1, glimpse(stamp_s, 0.11, 0.1), |_, _| 0.0);
+        }
+        sights.over(60.0, |_, _| 0.0);
+        assert!(sights.doubts().is_empty());
+    }
+}
