@@ -52,6 +52,7 @@ impl Usual {
 }
 
 /// A second: speed, acceleration and battery power.
+#[derive(Clone)]
 pub(super) struct Load {
     speed_mps: f64,
     accel_mps2: f64,

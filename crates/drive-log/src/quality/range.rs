@@ -15,6 +15,8 @@ pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
         Channel::Slope => (-0.7, 0.7),
         // the shore of the Dead Sea to the highest roads of the Andes
         Channel::Elevation => (-450.0, 6500.0),
+        // more than any road vehicle has behind it
+        Channel::Distance => (0.0, 1e10),
         // a negative gap is noise at standstill or a collision; radar sees 300 m
         Channel::LeadGap => (0.0, 1000.0),
         Channel::BatteryVoltage => (0.0, 2000.0),
