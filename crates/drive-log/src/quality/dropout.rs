@@ -33,7 +33,7 @@ const STOP_MPS2: f64 = 2.0;
 const STOP_MPS: f64 = 0.5;
 
 /// Rounds in which codes beside codes come to light.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 
 /// A run of one value whose neighbours are both higher, or both lower.
 struct Dip {
@@ -57,21 +57,25 @@ pub(super) fn remove_speed(checked: &mut Checked, interval_s: f64) {
                 .or_default()
                 .push(dip);
         }
-        let removed = by_value
-            .values()
-            .filter(|dips| remove(checked, dips))
-            .count();
-        if removed == 0 {
-            return;
+        // beside a code, true speeds look like dropouts
+        let most = by_value.values().max_by_key(|dips| certain(dips).count());
+        match most.map_or(0, |dips| certain(dips).count()) {
+            0 => return,
+            1 => return by_value.values().for_each(|dips| remove(checked, dips)),
+            _ => most.into_iter().for_each(|dips| remove(checked, dips)),
         }
     }
 }
 
-/// Removes what is certain of the dips to one value; whether anything was.
-fn remove(checked: &mut Checked, dips: &[&Dip]) -> bool {
-    let certain: Vec<&Dip> = dips.iter().copied().filter(|dip| dip.is_certain).collect();
+fn certain<'d>(dips: &[&'d Dip]) -> impl Iterator<Item = &'d Dip> {
+    dips.iter().copied().filter(|dip| dip.is_certain)
+}
+
+/// Removes what is certain of the dips to one value.
+fn remove(checked: &mut Checked, dips: &[&Dip]) {
+    let certain: Vec<&Dip> = certain(dips).collect();
     let Some(first) = certain.first() else {
-        return false;
+        return;
     };
     let samples: Vec<usize> = if first.value_mps == 0.0 {
         let is_code = certain.len() >= CERTAIN_STANDSTILLS;
@@ -89,7 +93,6 @@ fn remove(checked: &mut Checked, dips: &[&Dip]) -> bool {
     for i in samples {
         checked.remove(Channel::Speed, i..i + 1);
     }
-    true
 }
 
 fn report(checked: &mut Checked, first: &Dip, count: usize, samples: &[usize]) {

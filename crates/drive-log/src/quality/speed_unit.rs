@@ -48,7 +48,8 @@ pub(super) fn convert(checked: &mut Checked) {
         let objections = witnesses.objections(1.0);
         if objections.is_empty() {
             let likely = likely(&witnesses, &witnesses.possible());
-            return report_odd(checked, &witnesses.odd(), likely);
+            report_odd(checked, &witnesses.odd(), likely);
+            return report_no_car(checked, &witnesses);
         }
         if witnesses.is_a_jam(&objections) {
             return;
@@ -108,6 +109,21 @@ fn report_odd(checked: &mut Checked, odd: &[String], likely: Option<Mistake>) {
     if let Some(unit) = likely.filter(|_| odd.len() > 1) {
         let detail = format!("{}: {}", odd.join("; "), asked(&[unit]));
         report(checked, Action::Kept, detail);
+    }
+}
+
+/// Reports volts and amps of no car, whatever the speed.
+fn report_no_car(checked: &mut Checked, witnesses: &Witnesses) {
+    if let Some(why) = witnesses.no_car() {
+        let detail = format!("{why}: if it is a car, check the scale of volts and amps");
+        let samples = 0..checked.log.len();
+        checked.report(
+            FindingKind::Unit,
+            Channel::BatteryCurrent,
+            &samples,
+            Action::Kept,
+            detail,
+        );
     }
 }
 

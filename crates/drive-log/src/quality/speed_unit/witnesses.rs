@@ -2,7 +2,7 @@
 
 use super::super::distance;
 use super::super::motion::{Span, spans};
-use super::super::power::{Load, Usual, loads};
+use super::super::power::{Car, Load, Usual, loads};
 use super::{MISTAKES, Mistake};
 use crate::statistics::{correlation, near, quantile, slope};
 use crate::{Channel, RawLog};
@@ -150,6 +150,15 @@ impl Witnesses {
         let car = Load::fit(&self.loads, k)?;
         let is_possible = car.is_possible(self.top_mps / k, self.pull_mps2 / k);
         (!is_possible).then(|| format!("speed and battery power are those of {car}"))
+    }
+
+    /// What the battery says where it is that of no car.
+    pub(super) fn no_car(&self) -> Option<String> {
+        let car = Load::fit(&self.loads, 1.0).filter(Car::is_no_car)?;
+        Some(format!(
+            "speed and battery power are those of a vehicle of {:.0} kg",
+            car.mass_kg
+        ))
     }
 
     /// How far the drive is off an ordinary one if the speed is `k` times too large, in usual factors.
