@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::body::Wanted;
+use crate::described::normalised;
 use crate::layout::{LogPlan, Plan, TimeColumns};
 use crate::note::Note;
 use crate::number::number;
@@ -55,6 +56,41 @@ fn drives(
         kinds.push((headers[column].clone(), source.kinds(path, column)?));
     }
     Ok(origin::divided(kinds, plan.split_by.is_some()))
+}
+
+/// The value that a column has throughout each log, by the names of the logs.
+pub(crate) fn constants(
+    path: &Path,
+    source: &Source<'_>,
+    plan: &Plan,
+    header: &str,
+) -> Result<BTreeMap<String, String>, Error> {
+    let wanted = normalised(header);
+    let mut headers = source.head().headers.iter();
+    let Some(column) = headers.position(|header| normalised(header) == wanted) else {
+        return Ok(BTreeMap::new());
+    };
+    let kinds = source.kinds(path, column)?;
+    let mut constants = BTreeMap::new();
+    for drive in drives(path, source, plan)?.0 {
+        if let Some(value) = kinds.only(drive.rows.as_deref()) {
+            let names = plan.logs.iter().map(|log| log_name(path, log, &drive));
+            constants.extend(names.map(|name| (name, value.to_owned())));
+        }
+    }
+    Ok(constants)
+}
+
+/// The file's name, and after `#` what tells several logs of it apart.
+fn log_name(path: &Path, plan: &LogPlan, drive: &DriveRows) -> String {
+    let parts: Vec<&str> = [&plan.part, &drive.part]
+        .into_iter()
+        .filter_map(Option::as_deref)
+        .collect();
+    if parts.is_empty() {
+        return stem(path);
+    }
+    format!("{}#{}", stem(path), parts.join(","))
 }
 
 fn is_used(plan: &Plan, column: usize) -> bool {
@@ -177,14 +213,7 @@ impl File<'_> {
         channels
             .values_mut()
             .for_each(|values| values.truncate(len));
-        let parts: Vec<&str> = [&plan.part, &drive.part]
-            .into_iter()
-            .filter_map(Option::as_deref)
-            .collect();
-        let mut name = stem(self.path);
-        if !parts.is_empty() {
-            name = format!("{name}#{}", parts.join(","));
-        }
+        let name = log_name(self.path, plan, drive);
         let mut log = RawLog::new(name, time_s[..len].to_vec(), channels)?;
         log.origin = drive.origin.clone();
         Ok(log)

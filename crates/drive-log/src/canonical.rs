@@ -22,13 +22,29 @@ const OPEN_TIMES: [&str; 11] = [
     "date",
 ];
 
+/// What a way is called before its unit. Another word after it, `distance_to_lead`, is no unit, and the column something else.
+const DISTANCES: [&str; 8] = [
+    "distance",
+    "total_distance",
+    "trip_distance",
+    "travelled_distance",
+    "distance_travelled",
+    "odometer",
+    "odo",
+    "mileage",
+];
+
 /// What a canonical header says.
 #[derive(Clone, Copy)]
 enum Meaning {
     Time(Unit),
     Channel(Channel, Unit),
-    /// `v` or `a`, where no longer header says the same. Capitals may be volts and amps.
+    /// `v` or `a`, where no longer header says the same.
     Short(Channel, Unit),
+    /// `V` or `A` where the file has both: volts and amps, where no longer header says the same.
+    Electric(Channel, Unit),
+    /// A way with its unit. The first that a file has is taken.
+    Distance(Unit),
     /// A channel (or time, `None`) in a unit that is not known.
     UnknownUnit(Option<Channel>),
     Other,
@@ -41,6 +57,8 @@ fn meaning(header: &str) -> Meaning {
         "t" => return Meaning::Time(Unit::SECOND),
         "v" => return Meaning::Short(Channel::Speed, Unit::METRE_PER_SECOND),
         "a" => return Meaning::Short(Channel::Accel, Unit::METRE_PER_SECOND_SQUARED),
+        "V" => return Meaning::Electric(Channel::BatteryVoltage, Unit::VOLT),
+        "A" => return Meaning::Electric(Channel::BatteryCurrent, Unit::AMPERE),
         _ => {}
     }
     if OPEN_TIMES.contains(&header.as_str()) {
@@ -56,9 +74,14 @@ fn meaning(header: &str) -> Meaning {
         return Unit::parse(Quantity::Time, &suffix)
             .map_or(Meaning::UnknownUnit(None), Meaning::Time);
     }
+    let way = |key: &&str| Unit::parse(Quantity::Length, &suffix_after(key)?);
+    if let Some(unit) = DISTANCES.iter().find_map(way) {
+        return Meaning::Distance(unit);
+    }
     // `speed_limit_kmh` starts with `speed_` too: the longest channel wins
     let longest = Channel::ALL
         .into_iter()
+        .filter(|channel| *channel != Channel::Distance)
         .filter_map(|channel| suffix_after(channel.key()).map(|suffix| (channel, suffix)))
         .max_by_key(|(channel, _)| channel.key().len());
     match longest {
@@ -83,6 +106,7 @@ fn meanings(headers: &[String]) -> Vec<Meaning> {
         Meaning::Channel(channel, _) => !exact
             .iter()
             .any(|m| matches!(m, Meaning::Channel(c, _) | Meaning::Short(c, _) if c == channel)),
+        Meaning::Distance(_) => !exact.iter().any(|m| matches!(m, Meaning::Distance(_))),
         _ => false,
     };
     let meaning_of = |(header, exact): (&String, &Meaning)| match exact {
@@ -177,7 +201,31 @@ fn channels(
         }
     }
     short_channels(path, headers, meanings, &mut columns)?;
+    columns.extend(electric_channels(meanings, &columns));
+    let ways = meanings.iter().enumerate();
+    let mut ways = ways.filter_map(|(column, m)| match m {
+        Meaning::Distance(unit) => Some(ChannelColumn::new(Channel::Distance, column, *unit)),
+        _ => None,
+    });
+    columns.extend(ways.next());
     Ok(columns)
+}
+
+/// `V` and `A`: one of each, and no volts or amps of a longer name.
+fn electric_channels(meanings: &[Meaning], columns: &[ChannelColumn]) -> Vec<ChannelColumn> {
+    let short = meanings
+        .iter()
+        .enumerate()
+        .filter_map(|(column, m)| match m {
+            Meaning::Electric(channel, unit) => Some(ChannelColumn::new(*channel, column, *unit)),
+            _ => None,
+        });
+    let short: Vec<ChannelColumn> = short.collect();
+    let taken = |c: &ChannelColumn| columns.iter().any(|known| known.channel == c.channel);
+    match short.as_slice() {
+        [one, other] if one.channel != other.channel && !short.iter().any(taken) => short,
+        _ => Vec::new(),
+    }
 }
 
 /// Adds `v` and `a`. Beside a speed of a longer name, `v` is something else, and `a` with it.

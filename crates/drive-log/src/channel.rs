@@ -21,6 +21,8 @@ pub enum Channel {
     Slope,
     /// Elevation above sea level, m.
     Elevation,
+    /// Way driven since some start, as an odometer counts it, m. It is a witness for the speed, and no part of a drive.
+    Distance,
     /// Distance to the vehicle ahead, bumper to bumper, m.
     LeadGap,
     /// Speed of the vehicle ahead, m/s.
@@ -45,13 +47,14 @@ pub enum Channel {
 
 impl Channel {
     /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
-    pub const ALL: [Channel; 16] = [
+    pub const ALL: [Channel; 17] = [
         Channel::Speed,
         Channel::Accel,
         Channel::SpeedLimit,
         Channel::Accelerometer,
         Channel::Slope,
         Channel::Elevation,
+        Channel::Distance,
         Channel::LeadGap,
         Channel::LeadSpeed,
         Channel::BatteryVoltage,
@@ -74,6 +77,7 @@ impl Channel {
             Channel::Accelerometer => "accelerometer_mps2",
             Channel::Slope => "grade_rad",
             Channel::Elevation => "elevation_m",
+            Channel::Distance => "distance_m",
             Channel::LeadGap => "lead_gap_m",
             Channel::LeadSpeed => "lead_speed_mps",
             Channel::BatteryVoltage => "battery_voltage_v",
@@ -107,7 +111,7 @@ impl Channel {
             Channel::Speed | Channel::SpeedLimit | Channel::LeadSpeed => Quantity::Speed,
             Channel::Accel | Channel::Accelerometer => Quantity::Acceleration,
             Channel::Slope => Quantity::Slope,
-            Channel::Elevation | Channel::LeadGap => Quantity::Length,
+            Channel::Elevation | Channel::Distance | Channel::LeadGap => Quantity::Length,
             Channel::BatteryVoltage => Quantity::Voltage,
             Channel::BatteryCurrent => Quantity::Current,
             Channel::StateOfCharge => Quantity::Share,

@@ -117,6 +117,8 @@ pub enum FindingKind {
     NoNumber,
     /// Times in a form that the header does not say, but their values do.
     TimeFormat,
+    /// Rows of several vehicles or sensors between each other.
+    Interleaved,
     /// A column that is named as one of trips or vehicles, and holds measured values.
     NoDivision,
 }
@@ -185,6 +187,7 @@ impl fmt::Display for FindingKind {
             FindingKind::NoSample => "no sample",
             FindingKind::NoNumber => "no number",
             FindingKind::TimeFormat => "time format",
+            FindingKind::Interleaved => "interleaved",
             FindingKind::NoDivision => "no division",
         })
     }

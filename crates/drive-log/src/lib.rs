@@ -97,7 +97,7 @@ pub use log::DriveLog;
 pub use prepare::{Drive, Preparation, prepare};
 pub use quality::{Checked, check};
 pub use raw::RawLog;
-pub use read::{LogFile, read_bytes, read_file, read_from, sha256};
+pub use read::{LogFile, constants_of_column, read_bytes, read_file, read_from, sha256};
 pub use rows::{Row, RowReader};
 pub use smooth::{Smoothing, SmoothingStream, hann};
 pub use summary::ChannelSummary;

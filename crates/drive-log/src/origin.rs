@@ -8,7 +8,7 @@ use crate::number::is_missing;
 use crate::{Action, FindingKind};
 
 /// Headers that name a trip, a vehicle or a driver, without marks between their words.
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 21] = [
     "trip",
     "tripid",
     "tripno",
@@ -16,8 +16,18 @@ const NAMES: [&str; 11] = [
     "driveid",
     "vehicle",
     "vehicleid",
+    "vehicleno",
+    "vehiclenumber",
+    "vehiclename",
     "vehid",
+    "vin",
+    "car",
     "carid",
+    "carno",
+    "carname",
+    "deviceid",
+    "licenseplate",
+    "licenceplate",
     "driver",
     "driverid",
 ];
@@ -59,6 +69,19 @@ impl Kinds {
             Some(code)
         });
         self.rows.push(code);
+    }
+
+    /// The only value in some rows, all if `None`.
+    pub(crate) fn only(&self, rows: Option<&[usize]>) -> Option<&str> {
+        let mut codes: Vec<u32> = match rows {
+            None => self.rows.iter().flatten().copied().collect(),
+            Some(rows) => rows.iter().filter_map(|row| self.rows[*row]).collect(),
+        };
+        codes.dedup();
+        match codes.as_slice() {
+            [code] => self.values.get(*code as usize).map(String::as_str),
+            _ => None,
+        }
     }
 
     /// Measured values, a trip meter say: with decimals, or another in most of the rows.

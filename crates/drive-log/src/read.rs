@@ -1,5 +1,6 @@
 //! From a file to its logs.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::head::names_a_speed;
 use crate::layout::{Form, Head, Layout, LayoutChoice, Plan, speed_without_unit};
+use crate::note::Note;
 use crate::source::Source;
 use crate::text::Table;
 use crate::tidy::tidied;
@@ -69,6 +71,52 @@ fn read_error(path: &Path, problem: std::io::Error) -> Error {
 /// An [`Error`] for whatever is not a log: it names the line, the column and what was found. Never
 /// panics, whatever the bytes.
 pub fn read_bytes(path: &Path, bytes: &[u8], layout: &LayoutChoice) -> Result<LogFile, Error> {
+    with_source(path, bytes, layout, |opened| {
+        let logs = assemble::logs(path, &opened.source, &opened.plan, opened.notes)?;
+        if opened.layout_is_recognised {
+            check_derivative(path, opened.source.head(), &opened.plan, &logs)?;
+        }
+        Ok(LogFile {
+            path: path.to_owned(),
+            sha256: sha256(bytes),
+            layout: opened.layout.name().to_owned(),
+            logs,
+        })
+    })
+}
+
+/// The value that any column of a file has throughout each of its logs, by the names of the logs. Logs in which it has several
+/// values, or none, are not there. The header is compared without regard to case, blanks and brackets.
+///
+/// # Errors
+/// Those of [`read_file`].
+pub fn constants_of_column(
+    path: &Path,
+    layout: &LayoutChoice,
+    header: &str,
+) -> Result<BTreeMap<String, String>, Error> {
+    let bytes = std::fs::read(path).map_err(|problem| read_error(path, problem))?;
+    with_source(path, &bytes, layout, |opened| {
+        let Opened { source, plan, .. } = &opened;
+        assemble::constants(path, source, plan, header)
+    })
+}
+
+/// A file whose columns are known.
+struct Opened<'a> {
+    layout: &'a Layout,
+    layout_is_recognised: bool,
+    plan: Plan,
+    source: Source<'a>,
+    notes: Vec<Note>,
+}
+
+fn with_source<T>(
+    path: &Path,
+    bytes: &[u8],
+    layout: &LayoutChoice,
+    read: impl FnOnce(Opened<'_>) -> Result<T, Error>,
+) -> Result<T, Error> {
     let layouts = Layout::candidates(layout)?;
     let content = compressed::decompressed(path, bytes, compressed::LIMIT_BYTES)?;
     let text;
@@ -84,15 +132,12 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layout: &LayoutChoice) -> Result<Lo
         let (table, notes) = tidied(path, table, &plan)?;
         (layout, plan, Source::Text(table), notes)
     };
-    let logs = assemble::logs(path, &source, &plan, notes)?;
-    if layouts.len() > 1 {
-        check_derivative(path, source.head(), &plan, &logs)?;
-    }
-    Ok(LogFile {
-        path: path.to_owned(),
-        sha256: sha256(bytes),
-        layout: layout.name().to_owned(),
-        logs,
+    read(Opened {
+        layout,
+        layout_is_recognised: layouts.len() > 1,
+        plan,
+        source,
+        notes,
     })
 }
 

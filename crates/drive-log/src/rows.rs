@@ -20,6 +20,10 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Steps within this share of the nominal one are not worth a remark: loggers stamp with some jitter.
 const STEP_TOLERANCE: f64 = 0.1;
 
+/// Acceleration that tyres cannot transmit, and what a coarse sensor may add in one step.
+const TYRE_LIMIT_MPS2: f64 = 10.0;
+const COARSE_STEP_MPS: f64 = 1.0;
+
 /// One sample, a step after the one before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
@@ -144,6 +148,13 @@ impl<R: BufRead> RowReader<R> {
             value => Ok(value),
         };
         let (time_s, speed_mps) = (required(self.time)?, required(self.speed)?);
+        if let Some(jump) = self
+            .regular
+            .newest()
+            .and_then(|newest| impossible(newest, time_s, speed_mps))
+        {
+            return Err(format!("{}: {jump}", place(self.speed)));
+        }
         let in_range = |channel, column, value| {
             possible(channel, value).map_err(|what| format!("{}: {what}", place(column)))
         };
@@ -243,6 +254,23 @@ fn possible(channel: Channel, value: f64) -> Result<f64, String> {
         return Err(format!("{value} is outside {least} to {most} ({name})"));
     }
     Ok(value)
+}
+
+/// What no car does from one row to the next: tyres transmit 10 m/s², a coarse sensor adds 1 m/s, and none goes backward at once.
+/// What stays there is a new piece after the longest gap.
+fn impossible(newest: Sample, time_s: f64, speed_mps: f64) -> Option<String> {
+    let (step_s, jump_mps) = (time_s - newest.time_s, speed_mps - newest.speed_mps);
+    let limit_mps = if speed_mps < 0.0 {
+        0.0
+    } else {
+        COARSE_STEP_MPS
+    };
+    (step_s > 0.0 && jump_mps.abs() > TYRE_LIMIT_MPS2 * step_s + limit_mps).then(|| {
+        format!(
+            "speed from {:.2} to {speed_mps:.2} m/s in {step_s:.2} s",
+            newest.speed_mps
+        )
+    })
 }
 
 fn alone(place: &str, at_s: f64) -> String {

@@ -301,6 +301,7 @@ fn contradict(drive: &Drive, other: &Drive, lag_s: i64) -> bool {
                 | Channel::Accelerometer
                 | Channel::Slope
                 | Channel::SpeedLimit
+                | Channel::Distance
         )
     });
     told_by.any(|channel| {

@@ -81,7 +81,7 @@ const fn temperature(
 /// The first unit of each quantity is its SI unit, degrees Celsius for temperatures. A mile is 1609.344 m and a foot 0.3048 m
 /// (international yard and pound agreement, 1959), a nautical mile 1852 m (1929); standard gravity
 /// is 9.80665 m/s² (3rd CGPM, 1901).
-const UNITS: [Unit; 32] = [
+const UNITS: [Unit; 33] = [
     Unit::SECOND,
     Unit::MILLISECOND,
     Unit::MICROSECOND,
@@ -102,9 +102,10 @@ const UNITS: [Unit; 32] = [
     gradient("fraction", "1", 1.0),
     Unit::METRE,
     ratio(Quantity::Length, "km", "km", 1e3, 1.0),
+    ratio(Quantity::Length, "mi", "mi", 1609.344, 1.0),
     ratio(Quantity::Length, "ft", "ft", 0.3048, 1.0),
-    ratio(Quantity::Voltage, "v", "V", 1.0, 1.0),
-    ratio(Quantity::Current, "a", "A", 1.0, 1.0),
+    Unit::VOLT,
+    Unit::AMPERE,
     ratio(Quantity::Current, "ma", "mA", 1.0, 1e3),
     ratio(Quantity::Share, "pct", "%", 1.0, 1.0),
     ratio(Quantity::Share, "fraction", "1", 100.0, 1.0),
@@ -117,7 +118,7 @@ const UNITS: [Unit; 32] = [
 ];
 
 /// Other words for a unit, by its suffix.
-const ALIASES: [(Quantity, &str, &str); 13] = [
+const ALIASES: [(Quantity, &str, &str); 14] = [
     (Quantity::Time, "sec", "s"),
     (Quantity::Time, "secs", "s"),
     (Quantity::Time, "seconds", "s"),
@@ -129,6 +130,7 @@ const ALIASES: [(Quantity, &str, &str); 13] = [
     (Quantity::Speed, "kts", "kn"),
     (Quantity::Speed, "knot", "kn"),
     (Quantity::Speed, "knots", "kn"),
+    (Quantity::Length, "miles", "mi"),
     (Quantity::Acceleration, "m/s²", "mps2"),
     (Quantity::Acceleration, "m/s2", "mps2"),
 ];
@@ -140,6 +142,8 @@ impl Unit {
     pub(crate) const NANOSECOND: Unit = ratio(Quantity::Time, "ns", "ns", 1.0, 1e9);
     pub(crate) const DAY: Unit = ratio(Quantity::Time, "d", "d", 86_400.0, 1.0);
     pub(crate) const METRE: Unit = ratio(Quantity::Length, "m", "m", 1.0, 1.0);
+    pub(crate) const VOLT: Unit = ratio(Quantity::Voltage, "v", "V", 1.0, 1.0);
+    pub(crate) const AMPERE: Unit = ratio(Quantity::Current, "a", "A", 1.0, 1.0);
     pub(crate) const METRE_PER_SECOND: Unit = ratio(Quantity::Speed, "mps", "m/s", 1.0, 1.0);
     pub(crate) const KILOMETRE_PER_HOUR: Unit = ratio(Quantity::Speed, "kmh", "km/h", 1.0, 3.6);
     pub(crate) const METRE_PER_SECOND_SQUARED: Unit =

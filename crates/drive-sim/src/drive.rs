@@ -36,6 +36,13 @@ const TAKEOVER_MPS2: f64 = 0.2;
 const TAKEOVER_BRAKING_MPS2: f64 = 0.7;
 const BRAKING_PATIENCE: f64 = 0.8;
 
+/// What following asks for is looked at over this time at least: over a shorter one, the jerk leaves less than the margins.
+const TAKEOVER_S: f64 = 0.1;
+
+/// Whatever the plan, the car can stop this far behind its leader with this deceleration.
+const NEAREST_M: f64 = 1.0;
+const SAFE_BRAKING_MPS2: f64 = 4.0;
+
 /// Below this speed a leader matters as near as at it; at standstill every gap would be wide enough.
 const SLOWEST_INFLUENCE_MPS: f64 = 5.0;
 
@@ -268,18 +275,15 @@ impl Ride<'_> {
                 Plan::Brake { .. } => TAKEOVER_BRAKING_MPS2,
                 _ => TAKEOVER_MPS2,
             };
-            let followed_mps = self.eased_mps(accel_mps2);
-            if followed_mps < planned_mps - margin_mps2 * step_s {
-                next_mps = followed_mps;
-                if !matches!(self.plan, Plan::Follow) {
-                    self.begin(
-                        k,
-                        Plan::Follow,
-                        Regime::Following,
-                        self.cruise_mps(self.leg),
-                    );
-                }
+            let meant_mps = self.eased_within_mps(accel_mps2, step_s.max(TAKEOVER_S));
+            if meant_mps < planned_mps - margin_mps2 * step_s {
+                next_mps = self.eased_mps(accel_mps2);
+                self.begin_following(k);
             }
+        }
+        if let Some(safe_mps) = self.safe_mps().filter(|safe_mps| *safe_mps < next_mps) {
+            next_mps = safe_mps;
+            self.begin_following(k);
         }
         match &mut self.plan {
             Plan::Accelerate { at, .. } => *at += 1,
@@ -292,12 +296,34 @@ impl Ride<'_> {
         self.traffic.advance(k as f64 * step_s, step_s, self.route);
     }
 
+    fn begin_following(&mut self, k: usize) {
+        if !matches!(self.plan, Plan::Follow) {
+            let target_mps = self.cruise_mps(self.leg);
+            self.begin(k, Plan::Follow, Regime::Following, target_mps);
+        }
+    }
+
+    /// The highest speed from which braking ends behind a leader that brakes as hard, after P. G. Gipps, A behavioural
+    /// car-following model for computer simulation, Transportation Research Part B 15, 1981.
+    fn safe_mps(&self) -> Option<f64> {
+        let leader = self.traffic.leader?;
+        let step_s = self.settings.step_s;
+        let gap_m = leader.gap_m(self.position_m) - NEAREST_M - 0.5 * self.speed_mps * step_s;
+        let delay_mps = SAFE_BRAKING_MPS2 * 0.5 * step_s;
+        let square = delay_mps.powi(2) + leader.speed_mps.powi(2) + 2.0 * SAFE_BRAKING_MPS2 * gap_m;
+        Some((square.max(0.0).sqrt() - delay_mps).max(0.0))
+    }
+
     /// Speed at the next sample for a wanted acceleration, with the jerk limited.
     fn eased_mps(&self, wanted_mps2: f64) -> f64 {
-        let step_s = self.settings.step_s;
-        let change_mps2 = JERK_MPS3 * step_s;
+        self.eased_within_mps(wanted_mps2, self.settings.step_s)
+    }
+
+    /// The same where the acceleration has this long to change.
+    fn eased_within_mps(&self, wanted_mps2: f64, within_s: f64) -> f64 {
+        let change_mps2 = JERK_MPS3 * within_s;
         let (least, most) = (self.accel_mps2 - change_mps2, self.accel_mps2 + change_mps2);
-        (self.speed_mps + wanted_mps2.clamp(least, most) * step_s).max(0.0)
+        (self.speed_mps + wanted_mps2.clamp(least, most) * self.settings.step_s).max(0.0)
     }
 
     fn planned_mps(&mut self) -> f64 {

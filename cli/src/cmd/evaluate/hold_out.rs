@@ -1,7 +1,11 @@
 //! Flags that say what is held out at a time.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
 use anyhow::ensure;
 use clap::Args;
+use drive_log::LayoutChoice;
 use driver_eval::Error;
 use driver_eval::units::{DriveSource, DriverBy, UnitKind, Units};
 use serde::Serialize;
@@ -33,21 +37,29 @@ fn level(text: &str) -> Result<usize, String> {
 
 impl HoldOutArgs {
     /// Names the unit of every drive, and says what was taken for a driver.
-    pub(super) fn units(&self, inputs: &[Input], context: &Context) -> anyhow::Result<Units> {
+    pub(super) fn units(
+        &self,
+        inputs: &[Input],
+        layout: &LayoutChoice,
+        context: &Context,
+    ) -> anyhow::Result<Units> {
         let says_driver = self.driver_level.is_some() || self.driver_column.is_some();
         ensure!(
             !says_driver || self.hold_out == UnitKind::Driver,
             "--driver-level and --driver-column say what a driver is; give --hold-out driver with them"
         );
+        let origins = inputs.iter().map(|input| self.origin(input, layout));
+        let origins: Vec<BTreeMap<String, String>> = origins.collect::<anyhow::Result<_>>()?;
         let places: Vec<String> = inputs.iter().map(Input::place).collect();
         let sources = inputs
             .iter()
             .zip(&places)
-            .map(|(input, place)| DriveSource {
+            .zip(&origins)
+            .map(|((input, place), origin)| DriveSource {
                 path: &input.path,
                 name: &input.drive.name,
                 place,
-                origin: &input.drive.origin,
+                origin,
             });
         let sources: Vec<DriveSource<'_>> = sources.collect();
         match self.hold_out {
@@ -59,6 +71,28 @@ impl HoldOutArgs {
                 Ok(units)
             }
         }
+    }
+
+    /// What the file says of the drive, with the column that names the driver whatever it is called.
+    fn origin(
+        &self,
+        input: &Input,
+        layout: &LayoutChoice,
+    ) -> anyhow::Result<BTreeMap<String, String>> {
+        let mut origin = input.drive.origin.clone();
+        let path = Path::new(&input.path);
+        let Some(column) = self.driver_column.as_ref().filter(|_| path.is_file()) else {
+            return Ok(origin);
+        };
+        if !origin
+            .keys()
+            .any(|header| header.eq_ignore_ascii_case(column))
+        {
+            let mut drivers = drive_log::constants_of_column(path, layout, column)?;
+            let driver = drivers.remove(&input.drive.name);
+            origin.extend(driver.map(|driver| (column.clone(), driver)));
+        }
+        Ok(origin)
     }
 
     fn driver_by(&self) -> DriverBy {

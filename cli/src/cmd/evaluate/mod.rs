@@ -147,7 +147,9 @@ impl EvaluateArgs {
         context: &Context,
     ) -> anyhow::Result<Outcome> {
         let args = self;
-        let units = args.hold_out.units(inputs, context)?;
+        let units = args
+            .hold_out
+            .units(inputs, &args.logs.reading.layout()?, context)?;
         let trips = args.phases.trips(inputs, context)?;
         let prior = args.phases.trips(prior_inputs, context)?;
         let data = EvaluationData::by_unit(&trips, &units.of_drives).with_prior(&prior);

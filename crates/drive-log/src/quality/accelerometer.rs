@@ -126,8 +126,11 @@ fn shift(checked: &mut Checked, spans: &[Span]) {
 fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
     let pairs = pairs(checked, spans, 0);
     let (r, share) = (correlation(&pairs), slope(&pairs));
-    if pairs.len() < SECONDS || r.is_nan() {
+    if pairs.len() < SECONDS {
         return true;
+    }
+    if r.is_nan() {
+        return drop(checked, "the same value all along while the speed changes");
     }
     let error = share.abs() * ((1.0 / (r * r) - 1.0) / pairs.len() as f64).sqrt();
     let margin = TOLERANCE + ERRORS * error;
@@ -145,8 +148,20 @@ fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
         rescale(checked, factor.copysign(share), &figures);
         return true;
     }
-    let detail = format!("{figures}: not along the car, or in another unit");
-    report(checked, FindingKind::Mounting, Action::Dropped, detail);
+    drop(
+        checked,
+        &format!("{figures}: not along the car, or in another unit"),
+    )
+}
+
+/// `false`: the channel is not there any more.
+fn drop(checked: &mut Checked, why: &str) -> bool {
+    report(
+        checked,
+        FindingKind::Mounting,
+        Action::Dropped,
+        why.to_owned(),
+    );
     checked.log.channels.remove(&Channel::Accelerometer);
     false
 }

@@ -4,9 +4,12 @@
 //! where it is used.
 
 mod accelerometer;
+mod distance;
+mod dropout;
 mod frozen;
 mod heating;
 mod held;
+mod interleaved;
 mod jump;
 mod limit_unit;
 mod motion;
@@ -73,12 +76,15 @@ pub fn check(log: RawLog) -> Checked {
         findings,
         cuts: Vec::new(),
     };
+    interleaved::refuse(&mut checked);
     time_unit::convert(&mut checked);
     time::repair(&mut checked);
     range::report_missing(&mut checked);
     // a unit tells before the range does, in which another unit may leave no more than a part
     range::remove(&mut checked, |channel| !channel.is_motion());
-    sentinel::remove_speed(&mut checked);
+    let interval_s = held::speed_interval_s(&checked);
+    dropout::remove_speed(&mut checked, interval_s);
+    sentinel::remove_speed(&mut checked, interval_s);
     sentinel::remove_gaps(&mut checked);
     held::collapse(&mut checked);
     sign::flip_current(&mut checked);
@@ -86,6 +92,7 @@ pub fn check(log: RawLog) -> Checked {
     limit_unit::convert(&mut checked);
     speed_unit::convert(&mut checked);
     range::remove(&mut checked, Channel::is_motion);
+    dropout::remove_speed(&mut checked, 0.0);
     sentinel::remove_limits(&mut checked);
     accelerometer::mend(&mut checked);
     frozen::remove_speed(&mut checked);
@@ -100,7 +107,9 @@ pub fn check(log: RawLog) -> Checked {
     quantised::smooth_speed(&mut checked);
     let log = &mut checked.log;
     log.channels.retain(|channel, values| {
-        *channel == Channel::Speed || values.iter().any(|v| v.is_finite())
+        // the way driven was a witness
+        *channel == Channel::Speed
+            || *channel != Channel::Distance && values.iter().any(|v| v.is_finite())
     });
     checked.cuts.sort_unstable();
     checked

@@ -24,6 +24,9 @@ const DRAG_AREA_M2: (f64, f64) = (0.25, 10.0);
 
 /// A car with the drag of no car is at least this light, if its speed is what is wrong, kg.
 const SLIM_KG: f64 = 500.0;
+
+/// The lightest vehicles on four wheels, with a driver, kg.
+const LIGHTEST_KG: f64 = 350.0;
 const BICYCLE_MPS: f64 = 20.0;
 
 /// Over this mass, kg, only tractors are as slow, m/s, and as sluggish, m/s².
@@ -52,6 +55,7 @@ impl Usual {
 }
 
 /// A second: speed, acceleration and battery power.
+#[derive(Clone)]
 pub(super) struct Load {
     speed_mps: f64,
     accel_mps2: f64,
@@ -135,6 +139,11 @@ impl Car {
         let too_slow =
             self.mass_kg - mass > LORRY_KG && top_mps < LORRY_MPS && pull_mps2 < LORRY_MPS2;
         !(too_light || too_slim || too_large || too_slow)
+    }
+
+    /// Lighter than any car, or as heavy as a lorry.
+    pub(super) fn is_no_car(&self) -> bool {
+        self.mass_kg < LIGHTEST_KG || self.mass_kg > LORRY_KG
     }
 
     /// How far it is off a passenger car, in usual factors; the drag area may be off by its error.

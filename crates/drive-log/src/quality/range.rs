@@ -1,5 +1,7 @@
 //! Values that are missing, and values that cannot be.
 
+use std::collections::BTreeSet;
+
 use super::Checked;
 use crate::{Action, Channel, FindingKind};
 
@@ -15,6 +17,8 @@ pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
         Channel::Slope => (-0.7, 0.7),
         // the shore of the Dead Sea to the highest roads of the Andes
         Channel::Elevation => (-450.0, 6500.0),
+        // more than any road vehicle has behind it
+        Channel::Distance => (0.0, 1e10),
         // a negative gap is noise at standstill or a collision; radar sees 300 m
         Channel::LeadGap => (0.0, 1000.0),
         Channel::BatteryVoltage => (0.0, 2000.0),
@@ -72,6 +76,11 @@ pub(super) fn report_missing(checked: &mut Checked) {
     }
 }
 
+/// A channel of which a larger share is out of range, and by more values than there are codes, is in another unit, and the rest
+/// of it no better.
+const MOST: f64 = 0.5;
+const CODES: usize = 10;
+
 /// Removes values out of range, one finding per channel, from the channels that `concerns` names.
 pub(super) fn remove(checked: &mut Checked, concerns: impl Fn(&Channel) -> bool) {
     for channel in Channel::ALL.into_iter().filter(concerns) {
@@ -94,15 +103,17 @@ pub(super) fn remove(checked: &mut Checked, concerns: impl Fn(&Channel) -> bool)
             "{} values from {smallest} to {largest}, outside {low} to {high}",
             out.len()
         );
-        for i in out {
-            checked.remove(channel, i..i + 1);
-        }
-        checked.report(
-            FindingKind::OutOfRange,
-            channel,
-            &(first..last + 1),
-            Action::Removed,
-            detail,
-        );
+        let known = values.iter().filter(|v| v.is_finite()).count();
+        let kinds: BTreeSet<u64> = out.iter().map(|&i| values[i].to_bits()).collect();
+        let is_most = out.len() as f64 > MOST * known as f64 && kinds.len() > CODES;
+        let action = if channel != Channel::Speed && is_most {
+            checked.log.channels.remove(&channel);
+            Action::Dropped
+        } else {
+            out.iter().for_each(|&i| checked.remove(channel, i..i + 1));
+            Action::Removed
+        };
+        let range = first..last + 1;
+        checked.report(FindingKind::OutOfRange, channel, &range, action, detail);
     }
 }

@@ -43,9 +43,10 @@ struct Ends {
 }
 
 /// Removes codes from the speed: an extreme that stays for seconds, entered and left by jumps,
-/// wherever it is; of any other value, standstill above all, only what lies between two jumps.
-pub(super) fn remove_speed(checked: &mut Checked) {
-    let possible = |step_s: f64| TYRE_LIMIT_MPS2 * step_s + COARSE_STEP_MPS;
+/// wherever it is; of any other value, standstill above all, only what lies between two jumps. Updates of the speed may be
+/// `interval_s` apart.
+pub(super) fn remove_speed(checked: &mut Checked, interval_s: f64) {
+    let possible = |step_s: f64| TYRE_LIMIT_MPS2 * (step_s + interval_s) + COARSE_STEP_MPS;
     for value in codes(checked, Channel::Speed, possible) {
         if value != 0.0 && is_extreme(checked, Channel::Speed, value) {
             let samples = samples_of(checked, Channel::Speed, value);

@@ -17,6 +17,9 @@ const MOVING_MPS: f64 = 1.0;
 /// Braking that motors take part in, W/kg: 0.2 m/s² at 10 m/s.
 const BRAKING_W_PER_KG: f64 = -2.0;
 
+/// What an offset of the sensor is of the largest current, at most.
+const OFFSET_SHARE: f64 = 0.01;
+
 /// Distance over which an energy must be positive, m; the least that a car takes, J/m: the rolling
 /// resistance of 300 kg; and the descent that gives it back, as a gradient.
 const WHOLE_M: f64 = 1000.0;
@@ -35,10 +38,10 @@ pub(super) fn flip_current(checked: &mut Checked) {
         .into_iter()
         .filter(|span| span.speed_mps > MOVING_MPS)
         .collect();
-    if let Some(detail) = runs_against(checked, &spans) {
-        flip(checked, detail);
-    } else if let Some(detail) = has_no_sign(checked, &spans) {
+    if let Some(detail) = has_no_sign(checked, &spans) {
         drop_current(checked, detail);
+    } else if let Some(detail) = runs_against(checked, &spans) {
+        flip(checked, detail);
     } else {
         judge_energy(checked, &spans);
     }
@@ -60,24 +63,35 @@ fn runs_against(checked: &Checked, spans: &[Span]) -> Option<String> {
     })
 }
 
-/// What says that a current was recorded without its sign: none is below 0, and yet it is the larger
-/// the harder the car brakes.
+/// What says that a current was recorded without its sign: all of it is on one side of 0, and yet its size is the larger the
+/// harder the car brakes.
 fn has_no_sign(checked: &Checked, spans: &[Span]) -> Option<String> {
     let current_a = checked.values(Channel::BatteryCurrent)?;
-    if current_a.iter().any(|a| *a < 0.0) {
-        return None;
-    }
+    let side = one_sided(current_a)?;
     let braking = spans
         .iter()
         .filter(|span| span.inertia() < BRAKING_W_PER_KG);
-    let pairs = pairs(checked, braking);
+    let mut pairs = pairs(checked, braking);
+    pairs.iter_mut().for_each(|(_, power)| *power *= side);
     let r = correlation(&pairs);
     (r <= FLIP_BELOW && significance(r, pairs.len()) <= -CERTAIN_DEVIATIONS).then(|| {
-        let seconds = pairs.len();
+        let (seconds, beyond) = (pairs.len(), if side > 0.0 { "below" } else { "above" });
         format!(
-            "never below 0, and yet battery power and v·dv/dt correlate with {r:.2} over {seconds} seconds of braking: recorded without its sign; record charging as negative"
+            "never {beyond} 0, and yet the size of the battery power and v·dv/dt correlate with {r:.2} over {seconds} seconds of braking: recorded without its sign; record charging as negative"
         )
     })
+}
+
+/// 1 where no current is below 0, −1 where none is above, but for an offset of the sensor.
+fn one_sided(current_a: &[f64]) -> Option<f64> {
+    let known = current_a.iter().filter(|a| a.is_finite());
+    let (low, high) = known.fold((0.0_f64, 0.0_f64), |(low, high), a| {
+        (low.min(*a), high.max(*a))
+    });
+    if -low <= OFFSET_SHARE * high {
+        return Some(1.0);
+    }
+    (high <= -OFFSET_SHARE * low).then_some(-1.0)
 }
 
 /// A drive takes energy, unless it goes downhill. Where it is known not to, the sign is wrong; where

@@ -1,10 +1,11 @@
 //! Speeds in another unit than their header says.
 
+mod witnesses;
+
 use super::Checked;
-use super::motion::{Span, spans};
-use super::power::{Load, Usual, loads};
-use crate::statistics::{correlation, near, quantile, slope};
-use crate::{Action, Channel, FindingKind, RawLog};
+use crate::{Action, Channel, FindingKind};
+pub(super) use witnesses::limit_share;
+use witnesses::{Objection, Witness, Witnesses};
 
 /// Speeds that are read in the wrong unit, and how many times too large they are then, from the
 /// largest.
@@ -20,77 +21,86 @@ pub(super) const MISTAKES: [Mistake; 6] = [
 /// A factor and what it stands for.
 pub(super) type Mistake = (f64, &'static str);
 
-/// A car this fast moves, m/s; seconds in motion that say something.
-const MOVING_MPS: f64 = 1.0;
-const SECONDS: usize = 120;
-
-/// What a hundredth of the time exceeds with no car on the road: 252 km/h, at which most fast cars
-/// are held, m/s; full throttle of the fastest, m/s² and W/kg.
-const TOP_MPS: f64 = 70.0;
-const FULL_PULL_MPS2: f64 = 5.0;
-const FULL_PULL_W_PER_KG: f64 = 300.0;
-
 /// Beyond this not even racing cars come, m/s.
 const RACING_MPS: f64 = 100.0;
 
-/// What the fastest tenth of the time in motion is of the limit: between jams all along and a driver
-/// whom no camera has seen. Alone, a jam is told from a unit below the last figure.
-const LIMIT_SHARE: (f64, f64) = (0.5, 1.6);
-const JAM_SHARE: f64 = 0.36;
-
-/// Ordinary drives: what a hundredth of the time exceeds, m/s² (0.8 to 3.5 in 70 recorded drives),
-/// and the share of the limit.
-const PULL_MPS2: Usual = Usual(1.8, 0.35);
-const SHARE: Usual = Usual(1.0, 0.25);
-
-/// In usual factors: how far off the ordinary a drive may be in the likeliest unit, how much farther
-/// it must be in the next one, and from where on a figure is odd.
+/// In usual factors: how far off the ordinary a drive may be in the likeliest unit, and how much farther it must be in the next one.
 const ORDINARY: f64 = 2.0;
 const CLEARLY: f64 = 1.0;
-const ODD: f64 = 1.8;
 
-/// `dv/dt` and an acceleration in the log have a common factor, with this correlation and within
-/// this tolerance.
-const FOLLOWS: f64 = 0.9;
-const TOLERANCE: f64 = 0.08;
-
-/// What the rest of a recording says about its speeds.
-struct Witnesses {
-    top_mps: f64,
-    pull_mps2: f64,
-    pull_w_per_kg: f64,
-    limit_share: Option<f64>,
-    /// `dv/dt` over the acceleration in the log, and whether that is an accelerometer.
-    ratio: Option<(f64, bool)>,
-    loads: Vec<Load>,
-}
-
-/// What says that a speed is not `k` times too large.
-enum Objection {
-    /// No car does this.
-    Motion(String),
-    /// The speed limit is far off.
-    Limit(String),
-    /// An acceleration or the battery power is another than the speed's.
-    Measured(String),
+/// What a channel that alone speaks against a speed says of itself.
+enum Verdict {
+    /// The speed is in this unit.
+    Speed(Mistake),
+    /// The channel is wrong.
+    Channel,
+    /// Either may be.
+    Open,
 }
 
 /// Converts a speed whose unit is another one beyond doubt; refuses one that is impossible where the
-/// unit cannot be told; reports one that is doubtful.
+/// unit cannot be told; reports one that is doubtful. A channel that is at odds with all others is left out.
 pub(super) fn convert(checked: &mut Checked) {
-    let Some(witnesses) = Witnesses::hear(&checked.log) else {
+    let Some(mut witnesses) = Witnesses::hear(&checked.log) else {
         return;
     };
-    let objections = witnesses.objections(1.0);
-    let possible: Vec<Mistake> = MISTAKES
-        .into_iter()
-        .filter(|(factor, _)| witnesses.objections(*factor).is_empty())
+    loop {
+        let objections = witnesses.objections(1.0);
+        if objections.is_empty() {
+            let likely = likely(&witnesses, &witnesses.possible());
+            report_odd(checked, &witnesses.odd(), likely);
+            return report_no_car(checked, &witnesses);
+        }
+        if witnesses.is_a_jam(&objections) {
+            return;
+        }
+        let [only] = objections.as_slice() else {
+            return decide(checked, &witnesses, &objections);
+        };
+        let Witness::Measured(channel) = only.witness else {
+            return decide(checked, &witnesses, &objections);
+        };
+        match verdict(&witnesses, channel) {
+            Verdict::Speed(unit) => return rescale(checked, &only.text, unit),
+            Verdict::Open => return refuse_both(checked, &witnesses, channel, &only.text),
+            Verdict::Channel => drop_channel(checked, channel, &only.text),
+        }
+        witnesses = witnesses.without(channel);
+    }
+}
+
+/// Who is right if one channel alone speaks against the unit of the speed: the one that makes the drive as all others know
+/// it an ordinary one.
+fn verdict(witnesses: &Witnesses, channel: Channel) -> Verdict {
+    let rest = witnesses.without(channel);
+    let as_said = rest.oddity(1.0);
+    let possible = witnesses.possible();
+    let odd = |unit: &Mistake| rest.oddity(unit.0);
+    let least = possible.iter().map(odd).fold(f64::INFINITY, f64::min);
+    if least - as_said >= CLEARLY && (as_said <= ORDINARY || possible.is_empty()) {
+        return Verdict::Channel;
+    }
+    match likely(witnesses, &possible) {
+        Some(unit) if odd(&unit) <= ORDINARY && as_said - odd(&unit) >= CLEARLY => {
+            Verdict::Speed(unit)
+        }
+        _ => Verdict::Open,
+    }
+}
+
+/// The only possible unit, or the one in which the drive is clearly the most ordinary.
+fn likely(witnesses: &Witnesses, possible: &[Mistake]) -> Option<Mistake> {
+    let mut ranked: Vec<(f64, Mistake)> = possible
+        .iter()
+        .map(|unit| (witnesses.oddity(unit.0), *unit))
         .collect();
-    let likely = witnesses.likely(&possible);
-    if objections.is_empty() {
-        report_odd(checked, &witnesses.odd(), likely);
-    } else if !witnesses.is_a_jam(&objections) {
-        decide(checked, &witnesses, &objections, likely, &possible);
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    match ranked.as_slice() {
+        [(_, unit)] => Some(*unit),
+        [(best, unit), (next, _), ..] => {
+            (*best <= ORDINARY && next - best >= CLEARLY).then_some(*unit)
+        }
+        [] => None,
     }
 }
 
@@ -102,29 +112,35 @@ fn report_odd(checked: &mut Checked, odd: &[String], likely: Option<Mistake>) {
     }
 }
 
-fn decide(
-    checked: &mut Checked,
-    witnesses: &Witnesses,
-    objections: &[Objection],
-    likely: Option<Mistake>,
-    possible: &[Mistake],
-) {
-    let texts: Vec<&str> = objections.iter().map(Objection::text).collect();
+/// Reports volts and amps of no car, whatever the speed.
+fn report_no_car(checked: &mut Checked, witnesses: &Witnesses) {
+    if let Some(why) = witnesses.no_car() {
+        let detail = format!("{why}: if it is a car, check the scale of volts and amps");
+        let samples = 0..checked.log.len();
+        checked.report(
+            FindingKind::Unit,
+            Channel::BatteryCurrent,
+            &samples,
+            Action::Kept,
+            detail,
+        );
+    }
+}
+
+fn decide(checked: &mut Checked, witnesses: &Witnesses, objections: &[Objection]) {
+    let possible = witnesses.possible();
+    let texts: Vec<&str> = objections.iter().map(|o| o.text.as_str()).collect();
     let why = texts.join("; ");
     let measured = objections
         .iter()
-        .any(|o| matches!(o, Objection::Measured(_)));
+        .any(|o| matches!(o.witness, Witness::Measured(_)));
     let motion = objections
         .iter()
-        .filter(|o| matches!(o, Objection::Motion(_)))
+        .filter(|o| o.witness == Witness::Motion)
         .count();
     let by_limit = motion > 0 && motion < objections.len();
-    match likely {
-        Some((factor, unit)) if measured || by_limit => {
-            rescale(checked, 1.0 / factor);
-            let detail = format!("{why}: {unit}, divided by {factor:.4}");
-            report(checked, Action::Scaled, detail);
-        }
+    match likely(witnesses, &possible) {
+        Some(unit) if measured || by_limit => rescale(checked, &why, unit),
         _ => {
             let is_impossible = measured || motion > 1 || witnesses.top_mps > RACING_MPS;
             let action = if is_impossible {
@@ -132,7 +148,7 @@ fn decide(
             } else {
                 Action::Kept
             };
-            report(checked, action, format!("{why}: {}", asked(possible)));
+            report(checked, action, format!("{why}: {}", asked(&possible)));
         }
     }
 }
@@ -149,175 +165,38 @@ fn asked(possible: &[Mistake]) -> String {
     )
 }
 
-fn rescale(checked: &mut Checked, factor: f64) {
+fn rescale(checked: &mut Checked, why: &str, (factor, unit): Mistake) {
     if let Some(values) = checked.log.channels.get_mut(&Channel::Speed) {
-        values.iter_mut().for_each(|v| *v *= factor);
+        values.iter_mut().for_each(|v| *v *= 1.0 / factor);
     }
+    let detail = format!("{why}: {unit}, divided by {factor:.4}");
+    report(checked, Action::Scaled, detail);
+}
+
+fn drop_channel(checked: &mut Checked, channel: Channel, why: &str) {
+    let detail = format!(
+        "{why}, and yet the drive is an ordinary one in the unit of the speed: in another unit or scale, and not used"
+    );
+    let samples = 0..checked.log.len();
+    checked.report(
+        FindingKind::Unit,
+        channel,
+        &samples,
+        Action::Dropped,
+        detail,
+    );
+    checked.log.channels.remove(&channel);
+}
+
+fn refuse_both(checked: &mut Checked, witnesses: &Witnesses, channel: Channel, why: &str) {
+    let detail = format!(
+        "{why}: {}, or leave {channel} out if its scale is wrong",
+        asked(&witnesses.possible())
+    );
+    report(checked, Action::Refused, detail);
 }
 
 fn report(checked: &mut Checked, action: Action, detail: String) {
     let samples = 0..checked.log.len();
     checked.report(FindingKind::Unit, Channel::Speed, &samples, action, detail);
-}
-
-impl Objection {
-    fn text(&self) -> &str {
-        let (Self::Motion(text) | Self::Limit(text) | Self::Measured(text)) = self;
-        text
-    }
-}
-
-impl Witnesses {
-    /// `None` if the car hardly moves.
-    fn hear(log: &RawLog) -> Option<Self> {
-        let spans: Vec<Span> = spans(log)
-            .into_iter()
-            .filter(|span| span.speed_mps > MOVING_MPS)
-            .collect();
-        if spans.len() < SECONDS {
-            return None;
-        }
-        let high =
-            |of: fn(&Span) -> f64| quantile(&mut spans.iter().map(of).collect::<Vec<f64>>(), 0.99);
-        Some(Self {
-            top_mps: high(|span| span.speed_mps)?,
-            pull_mps2: high(|span| span.accel_mps2)?,
-            pull_w_per_kg: high(Span::inertia)?,
-            limit_share: limit_share(log, &spans),
-            ratio: ratio(log, &spans),
-            loads: loads(log, &spans),
-        })
-    }
-
-    /// All that says that the speed is not `k` times too large.
-    fn objections(&self, k: f64) -> Vec<Objection> {
-        let motion = self.against_motion(k).map(Objection::Motion);
-        let limit = self.against_limit(k).map(Objection::Limit);
-        let measured = [self.against_ratio(k), self.against_load(k)];
-        let measured = measured.into_iter().flatten().map(Objection::Measured);
-        motion.chain(limit).chain(measured).collect()
-    }
-
-    fn against_motion(&self, k: f64) -> impl Iterator<Item = String> + use<> {
-        let top_mps = self.top_mps / k;
-        let pull_mps2 = self.pull_mps2 / k;
-        let pull_w_per_kg = self.pull_w_per_kg / (k * k);
-        let top = (top_mps > TOP_MPS).then(|| format!("over {top_mps:.0} m/s"));
-        let pull = (pull_mps2 > FULL_PULL_MPS2)
-            .then(|| format!("gathers speed at over {pull_mps2:.1} m/s²"));
-        let power = (pull_w_per_kg > FULL_PULL_W_PER_KG)
-            .then(|| format!("over {pull_w_per_kg:.0} W/kg go into the speed"));
-        let hundredth = |text| format!("{text} for a hundredth of the time");
-        [top, pull, power].into_iter().flatten().map(hundredth)
-    }
-
-    fn against_limit(&self, k: f64) -> Option<String> {
-        let share = self.limit_share? / k;
-        (!(LIMIT_SHARE.0..=LIMIT_SHARE.1).contains(&share)).then(|| of_limit(share))
-    }
-
-    /// An acceleration that was computed from the speed has its unit, and says nothing.
-    fn against_ratio(&self, k: f64) -> Option<String> {
-        let (ratio, is_sensor) = self.ratio?;
-        let says_nothing = near(ratio, 1.0, TOLERANCE) && !is_sensor;
-        (!says_nothing && !near(ratio, k, TOLERANCE))
-            .then(|| format!("dv/dt is {ratio:.3} times the acceleration in the log"))
-    }
-
-    fn against_load(&self, k: f64) -> Option<String> {
-        let car = Load::fit(&self.loads, k)?;
-        let is_possible = car.is_possible(self.top_mps / k, self.pull_mps2 / k);
-        (!is_possible).then(|| format!("speed and battery power are those of {car}"))
-    }
-
-    /// The only possible unit, or the one in which the drive is clearly the most ordinary.
-    fn likely(&self, possible: &[Mistake]) -> Option<Mistake> {
-        let oddity = |k: f64| {
-            self.figures(k)
-                .iter()
-                .map(|(off, _)| off * off)
-                .sum::<f64>()
-        };
-        let mut ranked: Vec<(f64, Mistake)> = possible
-            .iter()
-            .map(|unit| (oddity(unit.0).sqrt(), *unit))
-            .collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        match ranked.as_slice() {
-            [(_, unit)] => Some(*unit),
-            [(best, unit), (next, _), ..] => {
-                (*best <= ORDINARY && next - best >= CLEARLY).then_some(*unit)
-            }
-            [] => None,
-        }
-    }
-
-    /// The figures that are odd if the speed is what its header says.
-    fn odd(&self) -> Vec<String> {
-        let figures = self.figures(1.0).into_iter();
-        figures
-            .filter(|(off, _)| off.abs() >= ODD)
-            .map(|(_, text)| text)
-            .collect()
-    }
-
-    /// How far each figure is off an ordinary drive if the speed is `k` times too large, in usual
-    /// factors, and in words.
-    fn figures(&self, k: f64) -> Vec<(f64, String)> {
-        let pull_mps2 = self.pull_mps2 / k;
-        let pull = (
-            PULL_MPS2.off(pull_mps2),
-            format!("gathers speed at {pull_mps2:.2} m/s² at most"),
-        );
-        let share = self
-            .limit_share
-            .map(|share| (SHARE.off(share / k), of_limit(share / k)));
-        let car = Load::fit(&self.loads, k).map(|car| {
-            let text = format!("speed and battery power are those of {car}");
-            (car.oddity(), text)
-        });
-        std::iter::once(pull).chain(share).chain(car).collect()
-    }
-
-    /// Slow in relation to the limit alone, as in a jam.
-    fn is_a_jam(&self, objections: &[Objection]) -> bool {
-        let is_jam = |share| (JAM_SHARE..1.0).contains(&share);
-        matches!(objections, [Objection::Limit(_)]) && self.limit_share.is_some_and(is_jam)
-    }
-}
-
-fn of_limit(share: f64) -> String {
-    format!("a tenth of the time over {share:.2} of the speed limit")
-}
-
-/// What the fastest tenth of the time in motion reaches of the limit.
-pub(super) fn limit_share(log: &RawLog, spans: &[Span]) -> Option<f64> {
-    let limit_mps = log.channel(Channel::SpeedLimit)?;
-    let share = |span: &Span| {
-        let limit_mps = limit_mps[*span.samples.start()];
-        (limit_mps > 0.0).then(|| span.speed_mps / limit_mps)
-    };
-    let mut shares: Vec<f64> = spans.iter().filter_map(share).collect();
-    if shares.len() < SECONDS {
-        return None;
-    }
-    quantile(&mut shares, 0.9)
-}
-
-/// How many times `dv/dt` is the acceleration in the log, if that follows it by the factor of a
-/// mistake or none.
-fn ratio(log: &RawLog, spans: &[Span]) -> Option<(f64, bool)> {
-    let channels = [Channel::Accelerometer, Channel::Accel];
-    channels.into_iter().find_map(|channel| {
-        let values = log.channel(channel)?;
-        let pair = |span: &Span| Some((span.accel_mps2, span.mean(values)?));
-        let pairs: Vec<(f64, f64)> = spans.iter().filter_map(pair).collect();
-        if pairs.len() < SECONDS || correlation(&pairs) < FOLLOWS {
-            return None;
-        }
-        let ratio = 1.0 / slope(&pairs);
-        let is_unit = |factor: f64| near(ratio, factor, TOLERANCE);
-        let is_known = is_unit(1.0) || MISTAKES.iter().any(|(factor, _)| is_unit(*factor));
-        is_known.then_some((ratio, channel == Channel::Accelerometer))
-    })
 }

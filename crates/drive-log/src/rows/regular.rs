@@ -59,6 +59,12 @@ impl Regular {
         self.step_s
     }
 
+    /// The newest sample that was taken.
+    pub(super) fn newest(&self) -> Option<Sample> {
+        self.coming
+            .or(self.piece.as_ref().map(|piece| piece.newest))
+    }
+
     pub(super) fn newest_s(&self) -> Option<f64> {
         self.piece.as_ref().map(|piece| piece.newest.time_s)
     }

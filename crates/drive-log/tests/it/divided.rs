@@ -132,3 +132,67 @@ fn a_layout_says_what_divides() {
     );
     assert!(error.unwrap_err().to_string().contains("\"lap\""));
 }
+
+/// Two cars at 10 Hz, half a row apart.
+fn two_cars() -> Vec<(f64, f64)> {
+    let car = |car: usize| {
+        (0..3000).map(move |i| {
+            let t_s = 0.1 * i as f64;
+            let speed = [
+                12.0 + 6.0 * (0.05 * t_s).sin(),
+                20.0 + 8.0 * (0.07 * t_s).cos(),
+            ];
+            (t_s + 0.05 * car as f64, speed[car])
+        })
+    };
+    let mut rows: Vec<(f64, f64)> = car(0).chain(car(1)).collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rows
+}
+
+#[test]
+fn interleaved_vehicles_without_a_name_are_refused() {
+    for every in [1, 10] {
+        let rows = two_cars();
+        let kept = rows.iter().enumerate().filter(|(i, _)| i / 2 % every == 0);
+        let (time_s, speed): (Vec<f64>, Vec<f64>) = kept.map(|(_, row)| *row).unzip();
+        let log = crate::raw(time_s, [(Channel::Speed, speed)]);
+        let error = drive_log::prepare(log, &drive_log::Preparation::default()).unwrap_err();
+        assert!(error.to_string().contains("split_by"), "{error}");
+    }
+}
+
+#[test]
+fn vehicles_have_many_names() {
+    for header in [
+        "VIN",
+        "car",
+        "device_id",
+        "Vehicle No",
+        "Vehicle Number",
+        "licence plate",
+    ] {
+        let mut text = format!("{header},time_s,speed_mps\n");
+        for (i, (t_s, speed)) in two_cars().iter().enumerate() {
+            text += &format!("{},{t_s:.2},{speed:.3}\n", ["WAUZ1", "WBA2"][i % 2]);
+        }
+        let file = read(text).unwrap();
+        assert_eq!(file.logs.len(), 2, "{header}");
+        for log in file.logs {
+            assert_eq!(drive_log::check(log).findings, [], "{header}");
+        }
+    }
+}
+
+#[test]
+fn any_column_may_name_the_driver() {
+    let text = "time_s,speed_mps,Driver Name,gear\n0,1,Anna,1\n1,2,Anna,2\n2,3,Anna,2\n";
+    let folder = std::env::temp_dir().join(format!("drive-log-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("trip.csv");
+    std::fs::write(&path, text).unwrap();
+    let of = |header| drive_log::constants_of_column(&path, &LayoutChoice::Auto, header).unwrap();
+    assert_eq!(of("driver name")["trip"], "Anna");
+    assert!(of("gear").is_empty() && of("Pilot").is_empty());
+    std::fs::remove_dir_all(&folder).unwrap();
+}

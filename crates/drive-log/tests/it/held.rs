@@ -103,6 +103,120 @@ fn updates_that_rows_at_irregular_times_see_late_are_found() {
     );
 }
 
+/// The speed at the updates, seen in rows at other times, s.
+fn polled(updates_s: &[f64], rows_s: &[f64]) -> RawLog {
+    let truth = speed_mps();
+    let at = |t_s: f64| {
+        let (i, share) = ((t_s / 0.1) as usize, (t_s / 0.1).fract());
+        truth[i] + (truth[i + 1] - truth[i]) * share
+    };
+    let last = |t_s: f64| updates_s[updates_s.partition_point(|u| *u <= t_s) - 1];
+    let speed = rows_s.iter().map(|t_s| at(last(*t_s))).collect();
+    raw(rows_s.to_vec(), [(Channel::Speed, speed)])
+}
+
+/// Times that follow each other by `least` to `most`, up to ten minutes.
+fn times_s(least: f64, most: f64, seed: u64) -> Vec<f64> {
+    let mut hash = seed;
+    let mut times_s = vec![0.0];
+    while times_s[times_s.len() - 1] < 0.1 * (LEN - 2) as f64 - most {
+        hash = hash
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let share = (hash >> 33) as f64 / (1_u64 << 31) as f64;
+        times_s.push(times_s[times_s.len() - 1] + least + (most - least) * share);
+    }
+    times_s
+}
+
+#[test]
+fn updates_that_beat_with_the_rows_are_found() {
+    let truth = drive(speed_mps());
+    for row_s in [0.3, 0.4, 0.6, 0.7, 0.8, 0.9] {
+        let log = polled(&times_s(1.0, 1.0, 1), &times_s(row_s, row_s, 1));
+        assert_eq!(kinds(&check(log.clone())), [FindingKind::Held], "{row_s}");
+        let collapsed = prepare(log, &Preparation::default()).unwrap();
+        let work = work_jpkg(&collapsed) / work_jpkg(&truth);
+        assert!((0.98..1.005).contains(&work), "{row_s}: {work}");
+        let error = root_mean_square(&collapsed, &truth);
+        assert!(error < 0.15, "{row_s}: {error}");
+    }
+}
+
+#[test]
+fn updates_at_varying_times_are_found() {
+    let truth = drive(speed_mps());
+    for (rows, updates) in [
+        ((0.1, 0.1), (0.2, 0.5)),
+        ((0.1, 0.1), (0.15, 0.15)),
+        ((0.1, 0.3), (0.4, 0.8)),
+        ((0.2, 0.2), (0.6, 1.4)),
+        ((0.1, 0.1), (0.5, 1.5)),
+        ((0.05, 0.5), (0.9, 1.1)),
+    ] {
+        let log = polled(
+            &times_s(updates.0, updates.1, 7),
+            &times_s(rows.0, rows.1, 3),
+        );
+        let found = kinds(&check(log.clone()));
+        assert!(
+            found.contains(&FindingKind::Held),
+            "{rows:?} {updates:?}: {found:?}"
+        );
+        let collapsed = prepare(log, &Preparation::default()).unwrap();
+        let work = work_jpkg(&collapsed) / work_jpkg(&truth);
+        assert!(
+            (0.985..1.01).contains(&work),
+            "{rows:?} {updates:?}: {work}"
+        );
+    }
+}
+
+#[test]
+fn rows_that_are_lost_now_and_then_leave_the_others_where_they_are() {
+    let lost = |i: usize| i > 0 && (i * 7919) % 100 < 20;
+    let recorded: Vec<f64> = (0..LEN)
+        .map(|i| speed_mps()[(0..=i).rev().find(|k| !lost(*k)).unwrap()])
+        .collect();
+    let checked = check(log(recorded));
+    assert_eq!(kinds(&checked), [FindingKind::Held]);
+    let collapsed = checked.log.channel(Channel::Speed).unwrap();
+    let true_rows = (0..LEN).filter(|i| !lost(*i));
+    let kept = true_rows.filter(|i| collapsed[*i].to_bits() == speed_mps()[*i].to_bits());
+    assert!(kept.count() > LEN * 75 / 100);
+}
+
+#[test]
+fn a_stop_that_is_held_is_no_code() {
+    let stop_mps = |i: usize| 0.1 * (i.abs_diff(2150) as f64 - 80.0).max(0.0);
+    let speed = speed_mps().into_iter().enumerate();
+    let speed: Vec<f64> = speed.map(|(i, v)| v.min(stop_mps(i))).collect();
+    let checked = check(log(held(&rounded(&speed, 1.0 / 3.6), 20)));
+    assert_eq!(kinds(&checked)[0], FindingKind::Held);
+    assert!(!kinds(&checked).contains(&FindingKind::Sentinel));
+    let collapsed = checked.log.channel(Channel::Speed).unwrap();
+    assert!(collapsed[2100..2200].iter().all(|v| *v == 0.0));
+}
+
+#[test]
+fn a_speed_that_comes_at_odd_times_is_told_and_kept() {
+    let mut last = 0;
+    let recorded: Vec<f64> = (0..LEN)
+        .map(|i| {
+            if (i * i * 31 + i * 17) % 23 < 6 || i % 97 < 40 {
+                last = i;
+            }
+            speed_mps()[last]
+        })
+        .collect();
+    let checked = check(log(recorded));
+    let held = checked
+        .findings
+        .iter()
+        .filter(|f| f.kind == FindingKind::Held);
+    assert_eq!(held.count(), 1, "{:?}", checked.findings);
+}
+
 #[test]
 fn every_channel_is_looked_at_by_itself() {
     let current: Vec<f64> = (0..LEN).map(|i| 60.0 * (i as f64 * 0.05).sin()).collect();

@@ -10,6 +10,7 @@
 
 mod bad_input;
 mod divided;
+mod dropouts;
 mod heating;
 mod held;
 mod hostile;
@@ -24,6 +25,7 @@ mod roundtrip;
 mod shared_cases;
 mod times;
 mod twins;
+mod witnesses;
 
 use std::collections::BTreeMap;
 use std::path::Path;

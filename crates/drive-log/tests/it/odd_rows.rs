@@ -265,8 +265,8 @@ fn a_unit_is_never_guessed() {
     let volts = log("time_s,speed_kmh,V,A,T\n0,36,314.5,1.6,25\n1,36,314.9,2.1,25\n");
     assert_eq!(
         volts.channels().count(),
-        1,
-        "volts, amps and a temperature are left alone"
+        3,
+        "volts and amps beside a speed are read, a temperature is left alone"
     );
     let volts = log("time_s,speed_kmh,v,a\n0,36,314.5,1.6\n1,36,314.9,2.1\n");
     assert_eq!(volts.channels().count(), 1);

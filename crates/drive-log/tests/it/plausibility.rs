@@ -11,7 +11,7 @@ const DRAG_AREA_M2: f64 = 0.7;
 
 /// Twenty minutes in town and country, a sample every `step_s`: stops, limits of 50 and 100 km/h,
 /// hills, an accelerometer, volts and amps of a car with two thirds of its braking regained.
-fn drive(step_s: f64) -> RawLog {
+pub(crate) fn drive(step_s: f64) -> RawLog {
     let len = (1200.0 / step_s) as usize;
     let time_s: Vec<f64> = (0..len).map(|i| i as f64 * step_s).collect();
     let speed: Vec<f64> = time_s.iter().map(|&t| speed_mps(t)).collect();
@@ -87,7 +87,7 @@ fn grade(t_s: f64) -> f64 {
     0.02 * (0.011 * t_s).sin()
 }
 
-fn without(log: &RawLog, dropped: &[Channel]) -> RawLog {
+pub(crate) fn without(log: &RawLog, dropped: &[Channel]) -> RawLog {
     let channels = log
         .channels()
         .filter(|(channel, _)| !dropped.contains(channel))
@@ -95,7 +95,7 @@ fn without(log: &RawLog, dropped: &[Channel]) -> RawLog {
     RawLog::new(log.name(), log.time_s().to_vec(), channels.collect()).unwrap()
 }
 
-fn times(log: &RawLog, channel: Channel, factor: f64) -> RawLog {
+pub(crate) fn times(log: &RawLog, channel: Channel, factor: f64) -> RawLog {
     changed(log, channel, |values| {
         values.iter_mut().for_each(|v| *v *= factor);
     })
@@ -103,7 +103,7 @@ fn times(log: &RawLog, channel: Channel, factor: f64) -> RawLog {
 
 /// The only finding, its channel and action.
 #[track_caller]
-fn only(log: &RawLog) -> (FindingKind, String, Action) {
+pub(crate) fn only(log: &RawLog) -> (FindingKind, String, Action) {
     let checked = check(log.clone());
     assert_eq!(checked.findings.len(), 1, "{:#?}", checked.findings);
     let finding = &checked.findings[0];
@@ -111,7 +111,7 @@ fn only(log: &RawLog) -> (FindingKind, String, Action) {
 }
 
 #[track_caller]
-fn assert_close(log: &RawLog, channel: Channel, expected: &RawLog) {
+pub(crate) fn assert_close(log: &RawLog, channel: Channel, expected: &RawLog) {
     let (found, expected) = (
         log.channel(channel).unwrap(),
         expected.channel(channel).unwrap(),

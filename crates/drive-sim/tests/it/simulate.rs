@@ -164,6 +164,27 @@ proptest! {
 }
 
 #[test]
+fn nobody_drives_through_a_leader() {
+    for step_s in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0] {
+        for seed in 0..4 {
+            let settings = SynthSettings {
+                drives: 3,
+                seed,
+                step_s,
+                duration_s: 600.0,
+                sensor_noise: false,
+                ..SynthSettings::default()
+            };
+            for drive in run(&settings) {
+                let gap_m = drive.log.channel(Channel::LeadGap).unwrap_or_default();
+                let nearest_m = gap_m.iter().copied().fold(f64::INFINITY, f64::min);
+                assert!(nearest_m > 0.9, "{step_s} s, seed {seed}: {nearest_m} m");
+            }
+        }
+    }
+}
+
+#[test]
 fn limits_are_kept_at_the_sign() {
     for kind in [ModelKind::Profile, ModelKind::Inverse] {
         let settings = ideal(kind);

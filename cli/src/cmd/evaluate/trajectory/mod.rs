@@ -48,7 +48,9 @@ impl EvaluateArgs {
         context: &Context,
     ) -> anyhow::Result<Outcome> {
         let settings = self.trajectory_settings()?;
-        let units = self.hold_out.units(inputs, context)?;
+        let units = self
+            .hold_out
+            .units(inputs, &self.logs.reading.layout()?, context)?;
         mention_finer_grids(inputs, context);
         let motions = motions(inputs, self.phases.slope_bandwidth)?;
         let asked = settings.folds;
