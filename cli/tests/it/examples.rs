@@ -6,7 +6,10 @@ use std::process::Command;
 /// `crates/*/examples/*.rs`.
 fn examples() -> Vec<PathBuf> {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
-    let folders = crates.read_dir().unwrap().map(|krate| krate.unwrap().path());
+    let folders = crates
+        .read_dir()
+        .unwrap()
+        .map(|krate| krate.unwrap().path());
     let files = folders.filter_map(|folder| folder.join("examples").read_dir().ok());
     let paths = files.flatten().map(|file| file.unwrap().path());
     paths
