@@ -45,14 +45,16 @@ pub struct Checked {
 ///
 /// | what | sign | repair |
 /// |---|---|---|
+/// | interleaved | a fifth of the rows in motion are of another speed than those around them | refused |
 /// | unit of time | no speed changes like this | scaled where one unit is possible, else refused |
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | missing values | | none |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
 /// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
+/// | dropouts | a speed off both its neighbours, on the same side, by more than a car turns around, for 2 s at most | removed, with all samples of a value that is a code |
 /// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
-/// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept |
+/// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer, distance and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept; a channel that is alone against all others is dropped |
 /// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |
 /// | accelerometer | late, in g, turned around, off level | shifted or scaled; dropped where it does not follow the speed |
 /// | frozen speed | constant over 0.5 m/s for 10 s (90 s where the speed often repeats) with two of acceleration, torque, voltage and current; for 60 s alone (kept after 300 s where the speed often repeats) | removed with all that froze |

@@ -37,7 +37,8 @@ struct Edge {
     at: usize,
     /// Index of the factor between two units by which the speed rises, if it does by one.
     mistake: Option<usize>,
-    /// The jump over its time, m/s².
+    /// The jump, m/s, and without what a coarse sensor adds over its time, m/s².
+    jump_mps: f64,
     jump_mps2: f64,
     /// By how much the factor misses, over the speed and the logarithm of the factor.
     off: f64,
@@ -97,17 +98,30 @@ fn is_drivable(checked: &Checked, range: Range<usize>, factor: f64) -> bool {
     })
 }
 
-/// The jumps, in order.
+/// The jumps, in order: beside one, the speeds around look like smaller ones.
 fn edges(checked: &Checked) -> Vec<Edge> {
     let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
     let valid: Vec<usize> = (0..speed_mps.len())
         .filter(|&i| speed_mps[i].is_finite())
         .collect();
-    valid
+    let edges: Vec<Option<Edge>> = valid
         .windows(4)
-        .filter(|around| time_s[around[3]] - time_s[around[0]] <= 3.0 * NEIGHBOURS_S)
-        .filter_map(|around| edge(around, time_s, speed_mps))
-        .collect()
+        .map(|around| {
+            let is_near = time_s[around[3]] - time_s[around[0]] <= 3.0 * NEIGHBOURS_S;
+            is_near.then(|| edge(around, time_s, speed_mps)).flatten()
+        })
+        .collect();
+    let jump = |i: Option<usize>| {
+        let edge = i.and_then(|i| edges.get(i).copied().flatten());
+        edge.map_or(0.0, |edge| edge.jump_mps)
+    };
+    let is_largest =
+        |i: usize, edge: &Edge| edge.jump_mps > jump(i.checked_sub(1)).max(jump(Some(i + 1)));
+    let largest = edges
+        .iter()
+        .enumerate()
+        .filter_map(|(i, edge)| edge.filter(|edge| is_largest(i, edge)));
+    largest.collect()
 }
 
 /// The jump between the inner two of four samples.
@@ -120,12 +134,6 @@ fn edge(around: &[usize], time_s: &[f64], speed_mps: &[f64]) -> Option<Edge> {
         let (one, next) = (around[i], around[i + 1]);
         (speed_mps[next] - speed_mps[one]) / (time_s[next] - time_s[one])
     };
-    let outer_mps = (speed_mps[before] - speed_mps[around[0]])
-        .abs()
-        .max((speed_mps[around[3]] - to).abs());
-    if (to - from).abs() <= outer_mps {
-        return None;
-    }
     let step_s = time_s[after] - time_s[before];
     let trend = (accel(0), accel(2));
     let off =
@@ -147,6 +155,7 @@ fn edge(around: &[usize], time_s: &[f64], speed_mps: &[f64]) -> Option<Edge> {
         at: after,
         mistake: explains.then_some(nearest),
         off: share,
+        jump_mps,
         jump_mps2: (jump_mps - COARSE_STEP_MPS) / step_s,
     })
 }

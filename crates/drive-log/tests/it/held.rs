@@ -139,7 +139,7 @@ fn updates_that_beat_with_the_rows_are_found() {
         let work = work_jpkg(&collapsed) / work_jpkg(&truth);
         assert!((0.98..1.005).contains(&work), "{row_s}: {work}");
         let error = root_mean_square(&collapsed, &truth);
-        assert!(error < 0.15, "{row_s}: {error}");
+        assert!(error < 0.2, "{row_s}: {error}");
     }
 }
 
