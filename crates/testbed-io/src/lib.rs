@@ -58,7 +58,7 @@ pub use figures::{Event, Figures};
 pub use path_file::PathFile;
 pub use replay::{Difference, Replay};
 pub use run_log::{LoggedTick, Run, RunLog, RunSpec};
-pub use shadow::{scenario_of, shadow};
+pub use shadow::{Shadow, scenario_of, shadow};
 pub use simulation::Simulation;
 pub use summary::{Outcomes, Summarising, Summary, outcomes_of};
 pub use tick::{Tick, Truth, Watched};

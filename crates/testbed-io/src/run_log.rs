@@ -72,6 +72,11 @@ const DISBELIEVED: (&str, Read) = ("disbelieved_s", |t| {
     t.watched.and_then(|w| w.disbelieved_s).unwrap_or(f64::NAN)
 });
 
+/// How far the point of interest of a robot was found to be from where a live session took it to be.
+const MISPLACED: (&str, Read) = ("misplaced_m", |t| {
+    t.watched.and_then(|w| w.misplaced_m).unwrap_or(f64::NAN)
+});
+
 type Read = fn(&Tick) -> f64;
 
 /// What arrived; together with the settings it determines every decision.
@@ -210,6 +215,7 @@ impl Columns {
         columns.extend(SEEN.iter().map(named));
         columns.push(named(&ALLOWED));
         columns.push(named(&DISBELIEVED));
+        columns.push(named(&MISPLACED));
         columns.extend(DECIDED.iter().map(named));
         columns.extend(KNOWN.iter().map(named));
         let clearance = |t: &Tick| t.lane_clearance_m(self.half_width_m).unwrap_or(f64::NAN);
@@ -253,6 +259,8 @@ pub struct LoggedTick {
     pub allowed_mps: Option<f64>,
     /// For how long its poses contradicted where a live session took it to be, in s
     pub disbelieved_s: Option<f64>,
+    /// How far its point of interest was found to be from where a live session took it to be, in m
+    pub misplaced_m: Option<f64>,
     /// Where its point of interest truly was, or was measured
     pub place: Option<State>,
     /// Outcome as text
@@ -273,6 +281,7 @@ impl RunLog {
         let outcomes = texts(table, "outcome")?;
         let allowed = if_there(table, ALLOWED.0)?;
         let disbelieved = if_there(table, DISBELIEVED.0)?;
+        let misplaced = if_there(table, MISPLACED.0)?;
         let seen: Vec<&[f64]> = SEEN
             .iter()
             .map(|(name, _)| floats(table, name))
@@ -300,6 +309,7 @@ impl RunLog {
                     seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
                     allowed_mps: value(allowed, row),
                     disbelieved_s: value(disbelieved, row),
+                    misplaced_m: value(misplaced, row),
                     place: places.as_ref().and_then(|columns| place(columns, row)),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),

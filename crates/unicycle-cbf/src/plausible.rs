@@ -242,6 +242,13 @@ impl ControllerSettings {
 impl RobotSpec {
     fn check_units(&self, robot: usize, body: &Body, is_loop: bool) -> Result<(), Error> {
         let refuse = |what: String| Err(Error::Start { robot, what });
+        let reach_m = REACH_IN_BASES * body.wheel_base_m;
+        if !is_loop && self.start.abs() > reach_m {
+            return refuse(format!(
+                "has `start` {:e}; on a straight path it is in m, from {2:.0} to {1:.0}, {REACH_IN_BASES} times `wheel_base_m`: were mm or cm meant?",
+                self.start, reach_m, -reach_m
+            ));
+        }
         if is_loop && self.start.abs() > 1.0 {
             return refuse(format!(
                 "has `start` {}; on a closed path it is in revolutions, from -1 to 1: were degrees or m meant?",

@@ -16,15 +16,18 @@ pub(super) struct Disbelieved {
     since_s: f64,
     newest: StampedPose,
     poses: u32,
+    /// From where its commands led it, in m and rad
+    off: Option<[f64; 2]>,
 }
 
 impl Disbelieved {
     /// One more.
-    pub(super) fn after(before: Option<Self>, newest: StampedPose) -> Self {
+    pub(super) fn after(before: Option<Self>, newest: StampedPose, off: Option<[f64; 2]>) -> Self {
         Self {
             since_s: before.map_or(newest.stamp_s, |before| before.since_s),
             newest,
             poses: before.map_or(1, |before| before.poses.saturating_add(1)),
+            off,
         }
     }
 
@@ -80,9 +83,14 @@ impl Contradictions {
         if std::mem::replace(&mut self.told[robot], true) {
             return None;
         }
-        let pose = self.now[robot]?.newest.pose;
+        let Disbelieved { newest, off, .. } = self.now[robot]?;
+        let pose = newest.pose;
+        let by = off.map_or(String::new(), |[off_m, off_rad]| {
+            let (mm, degrees) = (1e3 * off_m, off_rad.abs().to_degrees());
+            format!(", {mm:.0} mm and {degrees:.0}° off")
+        });
         Some(format!(
-            "robot {}: for {lasted_s:.1} s its poses have said that it is at ({:.2}, {:.2}) m, where its commands cannot have led it: \
+            "robot {}: for {lasted_s:.1} s its poses have said that it is at ({:.2}, {:.2}) m, where its commands cannot have led it{by}: \
              whether robots touch is not known, and robots near that place stand",
             self.ids[robot], pose.x_m, pose.y_m
         ))
@@ -112,7 +120,11 @@ mod tests {
         let mut all = Contradictions::new(&scenario, &[7, 8]);
         for step in 0..60 {
             let stamp_s = 10.0 + 0.02 * f64::from(step);
-            all.now[1] = Some(Disbelieved::after(all.now[1], seen(stamp_s, 2.0)));
+            all.now[1] = Some(Disbelieved::after(
+                all.now[1],
+                seen(stamp_s, 2.0),
+                Some([0.4, 0.0]),
+            ));
             let is_long = stamp_s > 10.51;
             assert_eq!(all.lasted_s(1).is_some(), is_long, "{stamp_s}");
             assert_eq!(all.is_near(0, &seen(stamp_s, 1.8).pose), is_long);
@@ -121,7 +133,9 @@ mod tests {
         }
         let note = all.note(1).unwrap_or_default();
         assert!(
-            note.contains("robot 8: for 1.2 s") && note.contains("(2.00, 0.00) m"),
+            note.contains("robot 8: for 1.2 s")
+                && note.contains("(2.00, 0.00) m")
+                && note.contains(", 400 mm and 0° off"),
             "{note}"
         );
         assert!(all.note(1).is_none() && all.note(0).is_none());

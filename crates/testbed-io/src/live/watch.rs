@@ -4,6 +4,8 @@ use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
+use super::heading::{Heading, Room};
+use super::jump::jump_m;
 use super::moved::{KEPT_S, Trail};
 use super::roll_call::RollCall;
 use super::told::Told;
@@ -21,7 +23,8 @@ const LAG_MOST_S: f64 = 0.4;
 /// Poses that are older than this, in s, and than what robots are driven on are not looked at any more.
 const RECENT_S: f64 = 0.5;
 /// Over which times poses are compared with commands, in s.
-const WINDOWS_S: [f64; 2] = [0.8, KEPT_S];
+const WINDOWS_S: [f64; 2] = [0.8, LONG_S];
+const LONG_S: f64 = 2.0;
 /// The same for the difference that is shown, in s.
 const SHOWN_S: f64 = 0.5;
 /// How often each robot is looked at, in s, and how often in a row it has to differ.
@@ -31,6 +34,8 @@ const IN_A_ROW: u32 = 2;
 const SLOW: f64 = 0.5;
 const SLOW_MPS: f64 = 0.02;
 const SLOW_S: f64 = 1.2;
+/// How often noise is counted where a robot is held against what rows keep.
+const NOISE_PEAKS: f64 = 3.0;
 /// A robot that differs, or did once, does not go on beyond this share of its lane.
 const SURE_OF_LANE: f64 = 0.85;
 /// A robot that was told nothing does not move farther than this, in m and rad.
@@ -43,6 +48,9 @@ pub(super) struct Watch {
     ids: Vec<u32>,
     stated: Stated,
     half_width_m: f64,
+    room: Room,
+    /// Noise of a point of interest, in m
+    point_noise_m: f64,
     /// Older poses are not looked at, in s
     recent_s: f64,
     /// Steps between two looks at a robot
@@ -59,10 +67,26 @@ struct Own {
     allowed: Allowed,
     /// Looks in a row that found it different
     differing: u32,
+    /// The same of those that found it late
+    late: u32,
     lag_told: bool,
     deviation_m: f64,
     was_inside: bool,
     shown: Option<[f64; 2]>,
+    heading: Heading,
+    /// How far its point of interest was found to be from where it is taken to be, in m
+    misplaced_m: f64,
+}
+
+/// What a look at a robot found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Found {
+    /// It was told to stand and moved by this, in m and rad
+    Untold {
+        way_m: f64,
+        turned_rad: f64,
+    },
+    Differs(Differs),
 }
 
 /// How far a robot may do what was decided.
@@ -90,10 +114,13 @@ impl Watch {
             trail: Trail::default(),
             allowed: Allowed::All,
             differing: 0,
+            late: 0,
             lag_told: false,
             deviation_m: 0.0,
             was_inside: false,
             shown: None,
+            heading: Heading::UNKNOWN,
+            misplaced_m: 0.0,
         };
         let noise_m = hardening.position_noise_m.max(NOISE_M);
         Self {
@@ -107,6 +134,8 @@ impl Watch {
                 lag_s: LAG_MOST_S,
             },
             half_width_m: scenario.spec().controller.lane.half_width_m,
+            room: Room::of(scenario),
+            point_noise_m: noise_m + controller.body().offset_m * noise_rad,
             recent_s: hardening.max_pose_age_s.unwrap_or(0.0).max(RECENT_S),
             every: (LOOK_S / controller.hold_s()).round().max(1.0) as usize,
             robots: ids.iter().map(|_| own()).collect(),
@@ -145,6 +174,11 @@ impl Watch {
         self.robots[robot].told.until(time_s).path_m
     }
 
+    /// How far the point of interest of a robot was found to be from where it is taken to be, in m.
+    pub(super) fn misplaced_m(&self, robot: usize) -> f64 {
+        self.robots[robot].misplaced_m
+    }
+
     /// Looks at some of the robots, at all of them over a tenth of a second; gives what the user should know.
     pub(super) fn look(&mut self, step: usize, time_s: f64) -> Vec<String> {
         for robot in 0..self.robots.len() {
@@ -164,7 +198,7 @@ impl Watch {
         let [position_m, heading_rad] = own.shown.unwrap_or([f64::NAN; 2]);
         let allowed_mps = match own.allowed {
             _ if self.roll_call.holds(robot) => Some(0.0),
-            Allowed::All => None,
+            Allowed::All => own.heading.most_mps(&self.room),
             Allowed::Slow { most_mps, .. } => Some(most_mps),
             Allowed::Nothing => Some(0.0),
         };
@@ -173,6 +207,7 @@ impl Watch {
             innovation_heading_rad: heading_rad,
             allowed_mps,
             disbelieved_s: None,
+            misplaced_m: Some(own.misplaced_m).filter(|misplaced_m| *misplaced_m > 0.0),
         }
     }
 
@@ -194,27 +229,44 @@ impl Watch {
         if own.allowed == Allowed::Nothing || own.told.is_empty() || !is_seen {
             return;
         }
+        let fit = Fit::new(&own.trail, LONG_S, &own.told, self.stated);
+        own.heading.learn(fit.as_ref().and_then(Fit::course));
         let found = own.found(&self.stated);
         own.differing = if found.is_some() {
             own.differing + 1
         } else {
             0
         };
-        let lag_s = own.lag_s(&self.stated);
-        let text = found.filter(|_| own.differing >= IN_A_ROW);
+        let found = found.filter(|_| own.differing >= IN_A_ROW);
+        let misplaced_m = found
+            .as_ref()
+            .map_or(0.0, |found| found.misplaced_m(&self.room));
+        own.misplaced_m = own.misplaced_m.max(misplaced_m);
         let id = self.ids[robot];
-        let near = own.deviation_m.abs() > SURE_OF_LANE * self.half_width_m;
+        let deviation_m = own.deviation_m.abs() + misplaced_m;
+        let near = deviation_m > SURE_OF_LANE * self.half_width_m;
+        let noise_m = NOISE_PEAKS * self.point_noise_m;
+        let outside_m = own.heading.outside_m(&self.room, own.deviation_m, noise_m);
         if near && matches!(own.allowed, Allowed::Slow { .. }) {
             own.allowed = Allowed::Nothing;
             self.notes.push(format!(
                 "robot {id}, which did not move as told, is {:.0} mm from the edge of its lane; it stands for good",
                 1e3 * (self.half_width_m - own.deviation_m.abs())
             ));
-        } else if let Some(text) = text
+        } else if let Some(found) = found
             && let Some(done) = own.believed_less(time_s, near)
         {
+            let text = found.text(&self.stated);
             self.notes.push(format!("robot {id} {text}; {done}"));
-        } else if let Some(lag_s) = lag_s {
+        } else if let Some(outside_m) = outside_m {
+            own.allowed = Allowed::Nothing;
+            self.notes.push(format!(
+                "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
+                own.heading.off_rad().to_degrees(),
+                1e3 * outside_m,
+                1e3 * self.half_width_m
+            ));
+        } else if let Some(lag_s) = own.lag_s(&self.stated, fit.as_ref()) {
             own.lag_told = true;
             self.notes.push(format!(
                 "robot {id} follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
@@ -229,29 +281,31 @@ impl Own {
         newest.is_some_and(|newest| newest.seen.stamp_s >= since_s)
     }
 
-    /// How it moves otherwise than told, in words.
-    fn found(&self, stated: &Stated) -> Option<String> {
-        if let Some(text) = self.moved_untold(stated) {
-            return Some(text);
+    /// How it moves otherwise than told.
+    fn found(&self, stated: &Stated) -> Option<Found> {
+        if let Some(untold) = self.moved_untold(stated) {
+            return Some(untold);
         }
         let mut fits = WINDOWS_S.iter().filter_map(|window_s| {
             let fit = Fit::new(&self.trail, *window_s, &self.told, *stated)?;
             fit.differs()
         });
-        fits.next().map(|differs| differs.text(stated))
+        let jump = || jump_m(self.trail.last(KEPT_S), stated.noise_m).map(Differs::Jump);
+        fits.next().or_else(jump).map(Found::Differs)
     }
 
-    fn lag_s(&self, stated: &Stated) -> Option<f64> {
+    fn lag_s(&mut self, stated: &Stated, fit: Option<&Fit>) -> Option<f64> {
         if self.lag_told {
             return None;
         }
-        let fit = Fit::new(&self.trail, KEPT_S, &self.told, *stated)?;
-        let lag_s = fit.lag_s(LAG_NOTED_S)?;
-        (lag_s <= stated.lag_s).then_some(lag_s)
+        let lag_s = fit.and_then(|fit| fit.lag_s(LAG_NOTED_S));
+        let lag_s = lag_s.filter(|lag_s| *lag_s <= stated.lag_s);
+        self.late = lag_s.map_or(0, |_| self.late + 1);
+        lag_s.filter(|_| self.late >= IN_A_ROW)
     }
 
-    fn moved_untold(&self, stated: &Stated) -> Option<String> {
-        let (from, to) = (self.trail.last(KEPT_S).next()?, self.trail.newest()?);
+    fn moved_untold(&self, stated: &Stated) -> Option<Found> {
+        let (from, to) = (self.trail.last(LONG_S).next()?, self.trail.newest()?);
         let way = self
             .told
             .between(from.seen.stamp_s - stated.lag_s, to.seen.stamp_s);
@@ -260,13 +314,7 @@ impl Own {
         let still = way.wheels_m.iter().all(|wheel_m| *wheel_m < stated.noise_m);
         let moved = way_m > STANDING_M + 6.0 * stated.noise_m
             || turned_rad.abs() > STANDING_RAD + 6.0 * stated.noise_rad;
-        (still && moved).then(|| {
-            format!(
-                "was told to stand and has moved by {:.0} mm and {:.0}°",
-                1e3 * way_m,
-                turned_rad.to_degrees()
-            )
-        })
+        (still && moved).then_some(Found::Untold { way_m, turned_rad })
     }
 
     /// From all to less and to nothing; gives what is done about it, if anything is.
@@ -289,10 +337,39 @@ impl Own {
     }
 }
 
+impl Found {
+    /// How far the point of interest is from where it is taken to be, in m.
+    fn misplaced_m(&self, room: &Room) -> f64 {
+        match self {
+            Self::Untold { way_m, .. } => *way_m,
+            Self::Differs(Differs::Course(off_rad)) => room.misplaced_m(*off_rad),
+            Self::Differs(Differs::Jump(jump_m)) => jump_m.abs(),
+            Self::Differs(Differs::Lag(_) | Differs::Wheels(_)) => 0.0,
+        }
+    }
+
+    fn text(&self, stated: &Stated) -> String {
+        match self {
+            Self::Untold { way_m, turned_rad } => format!(
+                "was told to stand and has moved by {:.0} mm and {:.0}°",
+                1e3 * way_m,
+                turned_rad.to_degrees()
+            ),
+            Self::Differs(differs) => differs.text(stated),
+        }
+    }
+}
+
 impl Differs {
     fn text(self, stated: &Stated) -> String {
         let error = 100.0 * stated.wheel_error;
         match self {
+            Self::Jump(jump_m) => format!(
+                "jumps by {:.0} mm to the {} of its heading, where its commands cannot have led it, and {:.0} mm of noise are stated: is its place right?",
+                1e3 * jump_m.abs(),
+                if jump_m > 0.0 { "left" } else { "right" },
+                1e3 * stated.noise_m
+            ),
             Self::Lag(lag_s) => format!(
                 "follows its commands {lag_s:.2} s later than is stated, at most {:.2} s can be driven with: state `latency_s` under [poses]",
                 stated.lag_s
