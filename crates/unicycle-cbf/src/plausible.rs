@@ -25,6 +25,8 @@ const OF_HOOP: [f64; 2] = [1e-3, 4.0];
 /// How many wheel bases the radius of a polar path has at most, and how many a path of points reaches.
 const RADIUS_IN_BASES: f64 = 1000.0;
 const REACH_IN_BASES: f64 = 5000.0;
+/// Most of a place, in m: coordinates of maps are smaller.
+const PLACE_M: f64 = 1e7;
 /// Most of the noise of poses, in m and rad.
 const NOISE_M: f64 = 0.2;
 const NOISE_RAD: f64 = 0.3;
@@ -163,7 +165,13 @@ impl PathSpec {
     fn check_units(&self, body: &Body) -> Result<(), Error> {
         let bases_m = |count: f64| count * body.wheel_base_m;
         match self {
-            Self::Straight { heading_rad, .. } => {
+            Self::Straight {
+                x_m,
+                y_m,
+                heading_rad,
+            } => {
+                at_most("path.x_m", *x_m, PLACE_M, LENGTHS)?;
+                at_most("path.y_m", *y_m, PLACE_M, LENGTHS)?;
                 at_most("path.heading_rad", *heading_rad, TAU, ANGLES)
             }
             Self::Polar {

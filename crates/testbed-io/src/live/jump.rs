@@ -1,43 +1,91 @@
 //! Poses that jump across the heading: nothing that wheels do moves a robot there at once.
 //!
 //! The way across the heading is what the way along it, at a constant angle, and the turn make of it. Where one jump explains the poses
-//! better by much more than noise does, it was there. A step is thus found however slowly the robot goes, and steps do not add up.
+//! better by much more than noise does, it was there. Jumps are added up: those to and fro are noise.
 
-use super::moved::Moved;
+use super::moved::{KEPT_S, Moved, Trail};
 
 /// Poses on either side of a jump at least: fewer are an outlier.
 const BESIDE: usize = 7;
-/// How many standard deviations of noise make a jump certain, and how many times the noise it has to be: what rounds to a centimetre
-/// jumps by that.
-const CERTAIN: f64 = 6.0;
+/// How many standard deviations of noise make a jump certain, and how many times the noise it has to be to count: noise that lasts for
+/// a while looks like small jumps to and fro.
+const CERTAIN: f64 = 5.0;
+const COUNTED: f64 = 2.5;
+/// How many times the noise all jumps together have to be: what rounds to a centimetre jumps by that.
 const TIMES_NOISE: f64 = 5.0;
+/// Jumps nearer to each other in time are one, in s, and one is forgotten in this time, in s.
+const APART_S: f64 = 0.25;
+const FORGOTTEN_S: f64 = 20.0;
 /// What is shorter has no direction, in squares of m or rad.
 const LEAST: f64 = 1e-12;
 
-/// How far to the left the poses jumped at some time, in m, if they certainly did.
-pub(super) fn jump_m<'a>(
-    moved: impl Iterator<Item = &'a Moved> + Clone,
-    noise_m: f64,
-) -> Option<f64> {
+/// The jumps of one robot, to the left, added up.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Jumps {
+    /// Those before the last, in m
+    before_m: f64,
+    last: Option<Jump>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Jump {
+    at_s: f64,
+    size_m: f64,
+    /// How much better it explains the poses, in squares of m
+    better_m2: f64,
+}
+
+impl Jumps {
+    /// Gives how far they lead in all, in m, if that is more than noise makes of it.
+    pub(super) fn look(&mut self, trail: &Trail, noise_m: f64) -> Option<f64> {
+        if let Some(jump) = jump(trail.last(KEPT_S), noise_m) {
+            self.add(jump);
+        }
+        let sum_m = self.before_m + self.last.map_or(0.0, |last| last.size_m);
+        (sum_m.abs() > TIMES_NOISE * noise_m).then_some(sum_m)
+    }
+
+    fn add(&mut self, jump: Jump) {
+        if let Some(last) = self.last {
+            let since_s = jump.at_s - last.at_s;
+            if since_s < -APART_S {
+                return;
+            }
+            if since_s > APART_S {
+                self.before_m = (self.before_m + last.size_m) * (-since_s / FORGOTTEN_S).exp();
+            }
+        }
+        self.last = Some(jump);
+    }
+}
+
+/// The jump that explains the poses best, if it was certainly there.
+fn jump<'a>(moved: impl Iterator<Item = &'a Moved> + Clone, noise_m: f64) -> Option<Jump> {
     let count = moved.clone().count();
     let mut across: Vec<f64> = moved.clone().map(|own| own.across_m).collect();
-    let explained = explained(moved);
+    let explained = explained(moved.clone());
     explained
         .iter()
         .for_each(|axis| take_off(axis, &mut across));
     let rest_m2 = square(&across);
-    let sizes = (BESIDE..(count + 1).saturating_sub(BESIDE)).filter_map(|at| {
+    let places = moved.enumerate().skip(BESIDE);
+    let places = places.take((count + 1).saturating_sub(2 * BESIDE));
+    let jumps = places.filter_map(|(at, own)| {
         let mut after: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i >= at))).collect();
         explained.iter().for_each(|axis| take_off(axis, &mut after));
         let after2 = square(&after);
-        let jump_m = dot(&across, &after) / after2;
-        (after2 > LEAST).then_some((jump_m, jump_m * jump_m * after2))
+        let size_m = dot(&across, &after) / after2;
+        (after2 > LEAST).then_some(Jump {
+            at_s: own.seen.stamp_s,
+            size_m,
+            better_m2: size_m * size_m * after2,
+        })
     });
-    let (jump_m, better_m2) = sizes.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let left_m2 = (rest_m2 - better_m2).max(0.0) / (count as f64 - 4.0).max(1.0);
-    let noise_m2 = left_m2.max(noise_m * noise_m);
-    let is_certain = better_m2 > CERTAIN * CERTAIN * noise_m2;
-    (is_certain && jump_m.abs() > TIMES_NOISE * noise_m).then_some(jump_m)
+    let best = jumps.max_by(|a, b| a.better_m2.total_cmp(&b.better_m2))?;
+    let left_m2 = (rest_m2 - best.better_m2).max(0.0) / (count as f64 - 4.0).max(1.0);
+    let certain_m2 = CERTAIN * CERTAIN * left_m2.max(noise_m * noise_m);
+    let is_certain = best.better_m2 > certain_m2 && best.size_m.abs() > COUNTED * noise_m;
+    is_certain.then_some(best)
 }
 
 /// What moves a robot across its heading: nothing, its way along it, and its turn, at right angles to each other.
@@ -76,7 +124,6 @@ mod tests {
     use unicycle_cbf::{Pose, StampedPose};
 
     use super::*;
-    use crate::live::moved::{KEPT_S, Trail};
 
     const NOISE_M: f64 = 3e-3;
 
@@ -88,7 +135,7 @@ mod tests {
 
     /// What every look finds at a robot that goes along a wave at 0.1 m/s, its heading off by 0.1 rad, with steps to the left.
     fn found(step_m: f64, every_s: f64, noise_m: f64, rounded_m: f64) -> Vec<(f64, Option<f64>)> {
-        let mut trail = Trail::default();
+        let (mut trail, mut jumps) = (Trail::default(), Jumps::default());
         let mut found = Vec::new();
         let mut pose = Pose {
             x_m: 0.0,
@@ -119,7 +166,7 @@ mod tests {
                 pose: seen,
             });
             if i.is_multiple_of(5) {
-                found.push((stamp_s, jump_m(trail.last(KEPT_S), NOISE_M)));
+                found.push((stamp_s, jumps.look(&trail, NOISE_M)));
             }
         }
         found
@@ -143,6 +190,16 @@ mod tests {
                     "{step_m} {noise_m}: {jump_m}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn small_steps_add_up_to_one_that_is_found() {
+        for (step_m, every_s) in [(0.01, 1.0), (-0.015, 1.5), (0.012, 3.0)] {
+            let found = found(step_m, every_s, 1e-3, 0.0);
+            let first = found.iter().find(|(_, jump)| jump.is_some());
+            let time_s = first.map_or(f64::INFINITY, |(time_s, _)| *time_s);
+            assert!(time_s < 5.0 + 3.5 * every_s, "{step_m} {every_s}: {time_s}");
         }
     }
 

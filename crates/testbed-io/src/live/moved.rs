@@ -7,7 +7,7 @@ use unicycle_cbf::StampedPose;
 use super::gate::wrapped;
 
 /// For how long it is remembered, in s.
-pub(super) const KEPT_S: f64 = 3.0;
+pub(super) const KEPT_S: f64 = 2.0;
 /// Poses nearer to the last in time add little, in s.
 const APART_S: f64 = 0.035;
 /// Poses farther from each other in time do not say what was between them, in s.

@@ -5,7 +5,7 @@ use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
 use super::heading::{Heading, Room};
-use super::jump::jump_m;
+use super::jump::Jumps;
 use super::moved::{KEPT_S, Trail};
 use super::roll_call::RollCall;
 use super::told::Told;
@@ -23,13 +23,15 @@ const LAG_MOST_S: f64 = 0.4;
 /// Poses that are older than this, in s, and than what robots are driven on are not looked at any more.
 const RECENT_S: f64 = 0.5;
 /// Over which times poses are compared with commands, in s.
-const WINDOWS_S: [f64; 2] = [0.8, LONG_S];
-const LONG_S: f64 = 2.0;
+const WINDOWS_S: [f64; 2] = [0.8, KEPT_S];
 /// The same for the difference that is shown, in s.
 const SHOWN_S: f64 = 0.5;
 /// How often each robot is looked at, in s, and how often in a row it has to differ.
 const LOOK_S: f64 = 0.1;
 const IN_A_ROW: u32 = 2;
+/// The same of a lag that is only told, and by how much its size may differ, in s.
+const LATE_IN_A_ROW: u32 = 5;
+const SAME_LAG_S: f64 = 0.06;
 /// Share of its speed at which a robot that differs goes on, at least so many m/s, and for how long, in s, before it is looked at anew.
 const SLOW: f64 = 0.5;
 const SLOW_MPS: f64 = 0.02;
@@ -67,13 +69,14 @@ struct Own {
     allowed: Allowed,
     /// Looks in a row that found it different
     differing: u32,
-    /// The same of those that found it late
-    late: u32,
+    /// The same of those that found it late by about this, in s
+    late: (u32, f64),
     lag_told: bool,
     deviation_m: f64,
     was_inside: bool,
     shown: Option<[f64; 2]>,
     heading: Heading,
+    jumps: Jumps,
     /// How far its point of interest was found to be from where it is taken to be, in m
     misplaced_m: f64,
 }
@@ -114,12 +117,13 @@ impl Watch {
             trail: Trail::default(),
             allowed: Allowed::All,
             differing: 0,
-            late: 0,
+            late: (0, 0.0),
             lag_told: false,
             deviation_m: 0.0,
             was_inside: false,
             shown: None,
             heading: Heading::UNKNOWN,
+            jumps: Jumps::default(),
             misplaced_m: 0.0,
         };
         let noise_m = hardening.position_noise_m.max(NOISE_M);
@@ -229,7 +233,7 @@ impl Watch {
         if own.allowed == Allowed::Nothing || own.told.is_empty() || !is_seen {
             return;
         }
-        let fit = Fit::new(&own.trail, LONG_S, &own.told, self.stated);
+        let fit = Fit::new(&own.trail, KEPT_S, &own.told, self.stated);
         own.heading.learn(fit.as_ref().and_then(Fit::course));
         let found = own.found(&self.stated);
         own.differing = if found.is_some() {
@@ -260,6 +264,8 @@ impl Watch {
             self.notes.push(format!("robot {id} {text}; {done}"));
         } else if let Some(outside_m) = outside_m {
             own.allowed = Allowed::Nothing;
+            let off_m = outside_m - own.deviation_m.abs();
+            own.misplaced_m = own.misplaced_m.max(off_m);
             self.notes.push(format!(
                 "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
                 own.heading.off_rad().to_degrees(),
@@ -282,7 +288,8 @@ impl Own {
     }
 
     /// How it moves otherwise than told.
-    fn found(&self, stated: &Stated) -> Option<Found> {
+    fn found(&mut self, stated: &Stated) -> Option<Found> {
+        let jumped_m = self.jumps.look(&self.trail, stated.noise_m);
         if let Some(untold) = self.moved_untold(stated) {
             return Some(untold);
         }
@@ -290,8 +297,8 @@ impl Own {
             let fit = Fit::new(&self.trail, *window_s, &self.told, *stated)?;
             fit.differs()
         });
-        let jump = || jump_m(self.trail.last(KEPT_S), stated.noise_m).map(Differs::Jump);
-        fits.next().or_else(jump).map(Found::Differs)
+        let jump = jumped_m.map(Differs::Jump);
+        fits.next().or(jump).map(Found::Differs)
     }
 
     fn lag_s(&mut self, stated: &Stated, fit: Option<&Fit>) -> Option<f64> {
@@ -300,12 +307,19 @@ impl Own {
         }
         let lag_s = fit.and_then(|fit| fit.lag_s(LAG_NOTED_S));
         let lag_s = lag_s.filter(|lag_s| *lag_s <= stated.lag_s);
-        self.late = lag_s.map_or(0, |_| self.late + 1);
-        lag_s.filter(|_| self.late >= IN_A_ROW)
+        let (looks, first_s) = self.late;
+        self.late = match lag_s {
+            Some(lag_s) if looks > 0 && (lag_s - first_s).abs() <= SAME_LAG_S => {
+                (looks + 1, first_s)
+            }
+            Some(lag_s) => (1, lag_s),
+            None => (0, 0.0),
+        };
+        lag_s.filter(|_| self.late.0 >= LATE_IN_A_ROW)
     }
 
     fn moved_untold(&self, stated: &Stated) -> Option<Found> {
-        let (from, to) = (self.trail.last(LONG_S).next()?, self.trail.newest()?);
+        let (from, to) = (self.trail.last(KEPT_S).next()?, self.trail.newest()?);
         let way = self
             .told
             .between(from.seen.stamp_s - stated.lag_s, to.seen.stamp_s);
@@ -365,7 +379,7 @@ impl Differs {
         let error = 100.0 * stated.wheel_error;
         match self {
             Self::Jump(jump_m) => format!(
-                "jumps by {:.0} mm to the {} of its heading, where its commands cannot have led it, and {:.0} mm of noise are stated: is its place right?",
+                "jumps by {:.0} mm in all to the {} of its heading, where its commands cannot have led it; {:.0} mm of noise are stated",
                 1e3 * jump_m.abs(),
                 if jump_m > 0.0 { "left" } else { "right" },
                 1e3 * stated.noise_m
