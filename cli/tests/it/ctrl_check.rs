@@ -182,6 +182,21 @@ fn what_a_file_leaves_out_is_said_with_what_is_taken() {
 }
 
 #[test]
+fn a_guard_that_a_file_leaves_out_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, "khepera", "on-off", |line| {
+        (!line.starts_with("max_course_angle_rad")).then(|| line.to_owned())
+    });
+    let text = check(folder, &[]).ok().stdout;
+    assert!(text.contains("no limit on the angle to the path"), "{text}");
+    assert!(
+        text.ends_with("fits as asked; these settings lack guards\n"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_path_that_meets_itself_is_said_to() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -185,9 +185,20 @@ impl Columns {
                     "`{}` is no point",
                     record.iter().collect::<Vec<_>>().join(",")
                 );
-                Err(Flaw::at(record, found, "complete or delete the line"))
+                Err(Flaw::at(record, found, help(record)))
             }
         }
+    }
+}
+
+/// What to do about a line that is no point.
+fn help(record: &StringRecord) -> &'static str {
+    let is_number = |text: String| text.parse::<f64>().is_ok_and(f64::is_finite);
+    let mut fields = record.iter();
+    if fields.any(|text| text.contains(',') && is_number(text.replacen(',', ".", 1))) {
+        "write decimals with a point, 1.2 and not 1,2"
+    } else {
+        "complete or delete the line"
     }
 }
 

@@ -1,6 +1,6 @@
 //! A run as a table of columns: what was seen, what was decided and, in simulations, what was true; and such a table as a run log.
 
-use testbed_sim::columns::{ALLOWED, DECIDED, DISBELIEVED, KNOWN, LANE_ROW, Read, SEEN};
+use testbed_sim::columns::{ALLOWED, DECIDED, DISBELIEVED, KNOWN, LANE_ROW, MISPLACED, Read, SEEN};
 use testbed_sim::run_log::{LoggedTick, RealRobots};
 use testbed_sim::{RunLog, Tick};
 use unicycle_cbf::{Pose, StampedPose, State};
@@ -55,6 +55,7 @@ impl Columns {
         columns.extend(SEEN.iter().map(named));
         columns.push(named(&ALLOWED));
         columns.push(named(&DISBELIEVED));
+        columns.push(named(&MISPLACED));
         columns.extend(DECIDED.iter().map(named));
         columns.extend(KNOWN.iter().map(named));
         let clearance = |t: &Tick| t.lane_clearance_m(self.half_width_m).unwrap_or(f64::NAN);
@@ -86,6 +87,7 @@ impl LogTable {
         let outcomes = texts(table, "outcome")?;
         let allowed = if_there(table, ALLOWED.0)?;
         let disbelieved = if_there(table, DISBELIEVED.0)?;
+        let misplaced = if_there(table, MISPLACED.0)?;
         let seen: Vec<&[f64]> = SEEN
             .iter()
             .map(|(name, _)| floats(table, name))
@@ -113,6 +115,7 @@ impl LogTable {
                     seen: (!stamp_s.is_nan()).then_some(StampedPose { stamp_s, pose }),
                     allowed_mps: value(allowed, row),
                     disbelieved_s: value(disbelieved, row),
+                    misplaced_m: value(misplaced, row),
                     place: places.as_ref().and_then(|columns| place(columns, row)),
                     outcome: outcomes[row].clone(),
                     decided: std::array::from_fn(|i| decided[i][row]),

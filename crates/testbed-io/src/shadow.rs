@@ -10,7 +10,7 @@ use unicycle_cbf::{
 };
 
 use crate::error::Error;
-use crate::recorded::{RecordedPose, RecordedRobot, Recording};
+use crate::recorded::{FindingKind, RecordedPose, RecordedRobot, Recording};
 
 /// Span over which speeds are measured, in s.
 const SPEED_SPAN_S: f64 = 0.2;
@@ -65,12 +65,24 @@ pub fn scenario_of(
     })
 }
 
-/// Runs the controllers beside a recording, the robots in its order from the front. The recorded poses count as the truth.
+/// What controllers did beside a recording, and what is known of its robots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shadow {
+    /// One per robot and step, from the back
+    pub ticks: Vec<Tick>,
+    /// By the recorded poses
+    pub summary: Summary,
+    /// Why it is not known whether the robots were safe, unless they were unsafe
+    pub doubts: Vec<String>,
+}
+
+/// Runs the controllers beside a recording, the robots in its order from the front. The recorded poses count as the truth; between them
+/// robots go as fast as their wheels can.
 ///
 /// # Errors
 ///
 /// Another number of robots in the scenario than in the recording.
-pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, Summary), Error> {
+pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<Shadow, Error> {
     let robots = scenario.starts().len();
     if robots != recording.robots.len() {
         return Err(Error::RobotCount {
@@ -82,6 +94,7 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
     let mut recorded: Vec<Recorded> = recording.robots.iter().map(Recorded::new).collect();
     let mut tracks = Tracks::new(scenario);
     let mut summary = Summarising::new(scenario);
+    let mut sights = sights(scenario);
     let mut ticks = Vec::new();
     for step in 0..scenario.steps() {
         let now_s = scenario.time_s(step);
@@ -95,6 +108,11 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
         let places: Vec<Option<State>> = recorded.iter().map(|r| r.state(scenario)).collect();
         let safeties = safeties(scenario.controller(), &mut tracks, &places);
         summary.add_places(now_s, &places);
+        let clearances = safeties.iter().map(|safety| {
+            let half_width_m = scenario.spec().controller.lane.half_width_m;
+            safety.map_or(0.0, |safety| half_width_m - safety.deviation_m.abs())
+        });
+        look(scenario, &mut sights, &seen, clearances);
         let mut own: Vec<Tick> = (0..robots)
             .rev()
             .map(|robot| {
@@ -120,7 +138,72 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<(Vec<Tick>, 
         }
         ticks.append(&mut own);
     }
-    Ok((ticks, summary.finished()))
+    let mut doubts = doubts(scenario, recording, sights);
+    if !doubts.is_empty() {
+        summary.doubt();
+    }
+    let summary = summary.finished();
+    if summary.verdict != Verdict::NotKnown {
+        doubts.clear();
+    }
+    Ok(Shadow {
+        ticks,
+        summary,
+        doubts,
+    })
+}
+
+fn sights(scenario: &Scenario) -> Sights {
+    let controller = scenario.controller();
+    let most_age_s = controller.settings().hardening.max_pose_age_s;
+    Sights::new(
+        scenario.starts().len(),
+        most_age_s.unwrap_or(BESIDE_S),
+        controller.least_distance_m(),
+        most_mps(scenario),
+    )
+}
+
+/// What was seen at one step, in the order of stamps.
+fn look(
+    scenario: &Scenario,
+    sights: &mut Sights,
+    seen: &[Option<StampedPose>],
+    clearances_m: impl Iterator<Item = f64>,
+) {
+    let fastest_mps = most_mps(scenario);
+    let robots = seen.iter().zip(clearances_m).enumerate();
+    let glimpses = robots.filter_map(|(robot, (seen, clearance_m))| {
+        let StampedPose { stamp_s, pose } = (*seen)?;
+        let place_m = [pose.x_m, pose.y_m];
+        let glimpse = Glimpse {
+            stamp_s,
+            place_m,
+            clearance_m,
+        };
+        Some((robot, glimpse))
+    });
+    let mut glimpses: Vec<(usize, Glimpse)> = glimpses.collect();
+    glimpses.sort_by(|(_, a), (_, b)| a.stamp_s.total_cmp(&b.stamp_s));
+    for (robot, glimpse) in glimpses {
+        sights.saw(robot, glimpse, |_, time_s| fastest_mps * time_s);
+    }
+}
+
+/// Why it is not known whether the recorded robots were safe.
+fn doubts(scenario: &Scenario, recording: &Recording, mut sights: Sights) -> Vec<String> {
+    let fastest_mps = most_mps(scenario);
+    let end_s = scenario.spec().duration_s;
+    sights.over(end_s, |_, time_s| fastest_mps * time_s);
+    for (robot, recorded) in recording.robots.iter().enumerate() {
+        let mut findings = recorded.findings.iter();
+        if findings.any(|finding| finding.kind == FindingKind::Degrees) {
+            sights.doubt(Doubt::Headings(robot));
+        }
+    }
+    let names: Vec<&str> = recording.robots.iter().map(|r| r.name.as_str()).collect();
+    let texts = sights.doubts().iter().map(|doubt| doubt.text(&names));
+    texts.collect()
 }
 
 /// One robot's recording, read forward.

@@ -12,6 +12,11 @@ pub const DISBELIEVED: (&str, Read) = ("disbelieved_s", |t| {
     t.watched.and_then(|w| w.disbelieved_s).unwrap_or(f64::NAN)
 });
 
+/// How far the point of interest of a robot was found to be from where a live session took it to be.
+pub const MISPLACED: (&str, Read) = ("misplaced_m", |t| {
+    t.watched.and_then(|w| w.misplaced_m).unwrap_or(f64::NAN)
+});
+
 /// How a column reads a tick; NaN where there is nothing.
 pub type Read = fn(&Tick) -> f64;
 

@@ -2,7 +2,7 @@
 
 use unicycle_cbf::{Located, Scenario, Speeds, StampedPose, State, Tracks};
 
-use crate::sight::{BESIDE_S, Glimpse, Sights};
+use crate::sight::{BESIDE_S, Doubt, Glimpse, Sights};
 use crate::summary::Summarising;
 use crate::tick::Truth;
 
@@ -21,6 +21,9 @@ pub struct Measured<'a> {
     /// Of the points of interest, of those that are about as old as each other
     places: Vec<Option<State>>,
     sights: Sights,
+    /// Least to the edge of the lane, and how far off places were found to be, of each robot in m
+    clearance_m: Vec<f64>,
+    misplaced_m: Vec<f64>,
 }
 
 impl<'a> Measured<'a> {
@@ -43,7 +46,14 @@ impl<'a> Measured<'a> {
                 controller.least_distance_m(),
                 most_mps(scenario),
             ),
+            clearance_m: vec![f64::INFINITY; robots],
+            misplaced_m: vec![0.0; robots],
         }
+    }
+
+    /// The point of interest of a robot was found to be this far from where it is taken to be, in m.
+    pub fn misplaced(&mut self, robot: usize, misplaced_m: f64) {
+        self.misplaced_m[robot] = self.misplaced_m[robot].max(misplaced_m);
     }
 
     /// What was seen of them so far.
@@ -73,6 +83,10 @@ impl<'a> Measured<'a> {
             place_m: [seen.pose.x_m, seen.pose.y_m],
             clearance_m: half_width_m - safety.deviation_m.abs(),
         };
+        if seen.stamp_s >= 0.0 {
+            let least_m = self.clearance_m[robot].min(glimpse.clearance_m);
+            self.clearance_m[robot] = least_m;
+        }
         let way_m = most_way_m(self.scenario, self.is_told, told_m);
         self.sights.saw(robot, glimpse, way_m);
         Some(safety.deviation_m)
@@ -82,6 +96,11 @@ impl<'a> Measured<'a> {
     pub fn over(&mut self, time_s: f64, told_m: impl Fn(usize, f64) -> f64 + Copy) {
         let way_m = most_way_m(self.scenario, self.is_told, told_m);
         self.sights.over(time_s, way_m);
+        let robots = self.misplaced_m.iter().zip(&self.clearance_m).enumerate();
+        for (robot, _) in robots.filter(|(_, (misplaced_m, clearance_m))| misplaced_m > clearance_m)
+        {
+            self.sights.doubt(Doubt::Misplaced(robot));
+        }
     }
 
     /// How safe a robot is by its newest pose if it has these speeds.
@@ -167,11 +186,16 @@ fn most_way_m(
 }
 
 fn wheel_factor(scenario: &Scenario) -> f64 {
+    1.0 + wheel_error(scenario)
+}
+
+/// How far each wheel may be off what it is told, as a share.
+pub(crate) fn wheel_error(scenario: &Scenario) -> f64 {
     let error = scenario.controller().settings().hardening.wheel_error;
-    1.0 + error.max(WHEEL_ERROR)
+    error.max(WHEEL_ERROR)
 }
 
 /// What wheels can do, error and all, in m/s.
-fn most_mps(scenario: &Scenario) -> f64 {
+pub(crate) fn most_mps(scenario: &Scenario) -> f64 {
     wheel_factor(scenario) * scenario.controller().body().max_wheel_speed_mps
 }

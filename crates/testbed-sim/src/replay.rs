@@ -228,6 +228,8 @@ impl<'a> Judging<'a> {
         }
         for row in rows {
             session.disbelieved[row.robot] = row.disbelieved_s.is_some();
+            let misplaced_m = row.misplaced_m.unwrap_or(0.0);
+            session.measured.misplaced(row.robot, misplaced_m);
         }
     }
 

@@ -34,6 +34,8 @@ pub struct LoggedTick {
     pub allowed_mps: Option<f64>,
     /// For how long its poses contradicted where a live session took it to be, in s
     pub disbelieved_s: Option<f64>,
+    /// How far its point of interest was found to be from where a live session took it to be, in m
+    pub misplaced_m: Option<f64>,
     /// Where its point of interest truly was, or was measured
     pub place: Option<State>,
     /// Outcome as text

@@ -22,12 +22,16 @@ pub enum Doubt {
     TouchAtWill([usize; 2]),
     /// Its poses said for long that it is where it cannot be
     Disbelieved(usize),
+    /// It was found to be off where it is taken to be by more than there was to the edge of its lane
+    Misplaced(usize),
+    /// Its headings are none in rad
+    Headings(usize),
 }
 
 impl Doubt {
-    /// For people, who know robots by their ids.
+    /// For people, who know robots by their ids or names.
     #[must_use]
-    pub fn text(self, ids: &[u32]) -> String {
+    pub fn text(self, ids: &[impl ToString]) -> String {
         let id = |robot: usize| {
             ids.get(robot)
                 .map_or_else(|| "?".to_owned(), ToString::to_string)
@@ -51,6 +55,14 @@ impl Doubt {
                 "robots {} and {} were seen too seldom to know that they do as they are told, and were unseen for longer than their wheels need to each other",
                 id(a),
                 id(b)
+            ),
+            Self::Misplaced(robot) => format!(
+                "robot {} was measured beside where it was by more than there was to the edge of its lane",
+                id(robot)
+            ),
+            Self::Headings(robot) => format!(
+                "headings of robot {} go beyond a full turn in rad: if they are in degrees, convert them",
+                id(robot)
             ),
             Self::Disbelieved(robot) => format!(
                 "poses of robot {} said that it is where its commands cannot have led it",
@@ -123,6 +135,7 @@ impl Sights {
         let started = seen.stamp_s >= 0.0;
         if started {
             self.check(robot, seen.stamp_s, way_m);
+            self.check_before(robot, &seen);
         }
         let most_age_s = self.most_age_s;
         self.robots[robot].take(seen, way_m(robot, seen.stamp_s), most_age_s);
@@ -193,6 +206,25 @@ impl Sights {
                 } else {
                     Doubt::TouchAtWill(pair)
                 });
+            }
+        }
+    }
+
+    /// The same of the time before a robot was seen for the first time, if that was long after the start.
+    fn check_before(&mut self, robot: usize, first: &Glimpse) {
+        if self.robots[robot].last.is_some() || first.stamp_s <= self.most_age_s {
+            return;
+        }
+        let way_m = self.most_mps * first.stamp_s;
+        if way_m > first.clearance_m.max(0.0) {
+            self.doubt(Doubt::LaneAtWill(robot));
+        }
+        for other in (0..self.robots.len()).filter(|other| *other != robot) {
+            let last = self.robots[other].last;
+            let apart_m = last.map(|(from, _)| distance_m(first.place_m, from.place_m));
+            if apart_m.is_some_and(|apart_m| apart_m - 2.0 * way_m < self.least_distance_m) {
+                let pair = [robot.min(other), robot.max(other)];
+                self.doubt(Doubt::TouchAtWill(pair));
             }
         }
     }
@@ -363,6 +395,22 @@ mod tests {
                 }
             }
             assert_eq!(sights.doubts(), doubts, "{clearance_m} m, {apart_m} m");
+        }
+    }
+
+    /// 0.2 m each until the second is seen for the first time.
+    #[test]
+    fn a_robot_that_is_seen_late_can_have_been_elsewhere_before() {
+        for (apart_m, doubts) in [(0.6, &[][..]), (0.45, &[Doubt::TouchAtWill([0, 1])][..])] {
+            let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
+            for tenth in 0..30 {
+                let stamp_s = 0.1 * f64::from(tenth);
+                sights.saw(0, glimpse(stamp_s, 0.0, 0.3), |_, _| 0.0);
+                if stamp_s > 1.95 {
+                    sights.saw(1, glimpse(stamp_s, apart_m, 0.3), |_, _| 0.0);
+                }
+            }
+            assert_eq!(sights.doubts(), doubts, "{apart_m} m");
         }
     }
 

@@ -45,6 +45,8 @@ pub struct Watched {
     pub allowed_mps: Option<f64>,
     /// For how long its poses have said that it is where it cannot be, in s, if they do
     pub disbelieved_s: Option<f64>,
+    /// How far its point of interest was found to be from where it is taken to be, in m, if it was
+    pub misplaced_m: Option<f64>,
 }
 
 /// What figures and columns of the run log are read from; NaN where there is nothing.

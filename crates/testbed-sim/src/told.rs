@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use unicycle_cbf::{Pose, Speeds, StampedPose};
 
-/// For how long it is remembered, in s.
-const KEPT_S: f64 = 8.0;
+/// Commands that are remembered: a minute and more of one that changes at every step. One that stays is one.
+const MOST_LEGS: usize = 4096;
 
 /// Sums over all that a robot was told up to a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -68,14 +68,16 @@ impl Told {
 
     /// From `time_s` on; times do not decrease.
     pub fn sent(&mut self, time_s: f64, speeds: Speeds) {
+        if self.legs.back().is_some_and(|leg| leg.speeds == speeds) {
+            return;
+        }
         let before = self.until(time_s);
         self.legs.push_back(Leg {
             from_s: time_s,
             speeds,
             before,
         });
-        let forgotten_s = time_s - KEPT_S;
-        while self.legs.get(1).is_some_and(|leg| leg.from_s < forgotten_s) {
+        if self.legs.len() > MOST_LEGS {
             self.legs.pop_front();
         }
     }
@@ -90,6 +92,14 @@ impl Told {
     #[must_use]
     pub fn speeds(&self) -> Speeds {
         self.legs.back().map_or(Speeds::ZERO, |leg| leg.speeds)
+    }
+
+    /// What it was told at a time.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> Speeds {
+        let begun = self.legs.partition_point(|leg| leg.from_s <= time_s);
+        let leg = begun.checked_sub(1).and_then(|index| self.legs.get(index));
+        leg.map_or(Speeds::ZERO, |leg| leg.speeds)
     }
 
     /// All up to a time; before the oldest command that is remembered, all up to that.
@@ -202,14 +212,30 @@ mod tests {
     #[test]
     fn sums_go_on_when_old_commands_are_forgotten() {
         let mut told = Told::new(0.1);
-        for step in 0..2000 {
+        for step in 0..10_000 {
             let speeds = Speeds {
                 speed_mps: 0.1,
-                turn_rate_rad_s: 0.0,
+                turn_rate_rad_s: 1e-3 * f64::from(step),
             };
             told.sent(0.02 * f64::from(step), speeds);
         }
-        assert!((told.until(40.0).path_m - 4.0).abs() < 1e-9);
-        assert!(told.legs.len() < 420);
+        assert!((told.until(200.0).path_m - 20.0).abs() < 1e-9);
+        assert_eq!(told.legs.len(), MOST_LEGS);
+    }
+
+    #[test]
+    fn a_robot_that_stands_for_long_is_remembered_to_have_driven_before() {
+        let mut told = Told::new(0.1);
+        let speeds = |speed_mps| Speeds {
+            speed_mps,
+            turn_rate_rad_s: 0.0,
+        };
+        for step in 0..50_000 {
+            let speed_mps = if step < 50 { 0.2 } else { 0.0 };
+            told.sent(0.02 * f64::from(step), speeds(speed_mps));
+        }
+        assert!((told.between(0.5, 1000.0).path_m - 0.1).abs() < 1e-9);
+        assert_eq!(told.at(0.9), speeds(0.2));
+        assert_eq!(told.at(1.1), Speeds::ZERO);
     }
 }

@@ -25,6 +25,8 @@ const OF_HOOP: [f64; 2] = [1e-3, 4.0];
 /// How many wheel bases the radius of a polar path has at most, and how many a path of points reaches.
 const RADIUS_IN_BASES: f64 = 1000.0;
 const REACH_IN_BASES: f64 = 5000.0;
+/// Most of a place, in m: coordinates of maps are smaller.
+const PLACE_M: f64 = 1e7;
 /// Most of the noise of poses, in m and rad.
 const NOISE_M: f64 = 0.2;
 const NOISE_RAD: f64 = 0.3;
@@ -163,7 +165,13 @@ impl PathSpec {
     fn check_units(&self, body: &Body) -> Result<(), Error> {
         let bases_m = |count: f64| count * body.wheel_base_m;
         match self {
-            Self::Straight { heading_rad, .. } => {
+            Self::Straight {
+                x_m,
+                y_m,
+                heading_rad,
+            } => {
+                at_most("path.x_m", *x_m, PLACE_M, LENGTHS)?;
+                at_most("path.y_m", *y_m, PLACE_M, LENGTHS)?;
                 at_most("path.heading_rad", *heading_rad, TAU, ANGLES)
             }
             Self::Polar {
@@ -242,6 +250,13 @@ impl ControllerSettings {
 impl RobotSpec {
     fn check_units(&self, robot: usize, body: &Body, is_loop: bool) -> Result<(), Error> {
         let refuse = |what: String| Err(Error::Start { robot, what });
+        let reach_m = REACH_IN_BASES * body.wheel_base_m;
+        if !is_loop && self.start.abs() > reach_m {
+            return refuse(format!(
+                "has `start` {:e}; on a straight path it is in m, from {2:.0} to {1:.0}, {REACH_IN_BASES} times `wheel_base_m`: were mm or cm meant?",
+                self.start, reach_m, -reach_m
+            ));
+        }
         if is_loop && self.start.abs() > 1.0 {
             return refuse(format!(
                 "has `start` {}; on a closed path it is in revolutions, from -1 to 1: were degrees or m meant?",

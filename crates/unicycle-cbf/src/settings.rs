@@ -185,7 +185,7 @@ impl ControllerSettings {
             Error::within("convergence_1ps", rate, 1e-6, 1e4)?;
         }
         for weight in self.weights {
-            Error::positive("weights", weight)?;
+            Error::within("weights", weight, 1e-12, 1e12)?;
         }
         self.headway.check()?;
         self.lane.check()?;

@@ -76,7 +76,7 @@ impl Controller {
         }
     }
 
-    /// Whether decisions need the foot on the path.
+    /// Whether decisions need the foot on the path: where every robot is regarded, whoever is ahead is found by it.
     #[must_use]
     pub fn needs_foot(&self) -> bool {
         let settings = self.settings();
@@ -84,6 +84,7 @@ impl Controller {
             || settings.lane.deviation == Deviation::Frenet
             || settings.headway.distance == Distance::Path
             || settings.hardening.max_course_angle_rad.is_some()
+            || settings.hardening.regards_every_robot()
             || !self.crossings().is_empty()
     }
 

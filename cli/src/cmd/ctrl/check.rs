@@ -68,9 +68,9 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     let mut notes = notes(spec, &demands);
     let stated = &spec.controller.hardening;
     notes.extend(beyond::note(&named.spec.disturbances, stated, &demands));
-    if !demands.is_guaranteed {
-        notes.extend(missing_guards(&spec.controller));
-    }
+    let missing = missing_guards(&spec.controller);
+    let lacks_guards = !missing.is_empty();
+    notes.extend(missing);
     let body = Body {
         scenario: &spec.name,
         fits: demands.is_guaranteed.then_some(true),
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome
     let outcome = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
-        Format::Text => output::print_text(&text(&document.body))?,
+        Format::Text => output::print_text(&text(&document.body, lacks_guards))?,
     }
     Ok(outcome)
 }
@@ -134,7 +134,7 @@ pub(super) fn missing_guards(settings: &ControllerSettings) -> Vec<String> {
     lines
 }
 
-fn text(body: &Body) -> String {
+fn text(body: &Body, lacks_guards: bool) -> String {
     let demands = &body.demands;
     let mut table = Table::new(["demand", "asked or needed", "there is", "unit"]);
     let mut row = |name: &str, asked: String, has: String, unit: &str| {
@@ -190,5 +190,10 @@ fn text(body: &Body) -> String {
     } else {
         "fits as asked"
     };
-    format!("{}\n\n{verdict}\n", text.trim_end())
+    let but = if lacks_guards && demands.is_guaranteed {
+        "; these settings lack guards"
+    } else {
+        ""
+    };
+    format!("{}\n\n{verdict}{but}\n", text.trim_end())
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{RunFile, scenario_of, shadow};
+use testbed_io::{RunFile, Shadow, scenario_of, shadow};
 use testbed_sim::summary::outcomes_of;
 use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, Testbed};
@@ -163,6 +163,7 @@ struct Beside<'a> {
     rate_hz: f64,
     #[serde(flatten)]
     summary: &'a Summary,
+    doubts: &'a [String],
     r#loop: Timing,
 }
 
@@ -189,7 +190,11 @@ fn beside(
         }
     };
     let scenario = Scenario::new(spec)?;
-    let (mut ticks, summary) = shadow(&scenario, &recording)?;
+    let Shadow {
+        mut ticks,
+        summary,
+        doubts,
+    } = shadow(&scenario, &recording)?;
     if context.no_times {
         clear_times(&mut ticks);
     }
@@ -207,6 +212,7 @@ fn beside(
         robots: robots.collect(),
         rate_hz: scenario.spec().rate_hz,
         summary: &summary,
+        doubts: &doubts,
         r#loop: Timing::new(&ticks, scenario.controller().hold_s()),
     };
     let inputs = FileInputs::read(args.scenario.iter().chain(files).cloned())?;
@@ -216,7 +222,7 @@ fn beside(
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&beside_text(&document.body))?,
     }
-    Ok(judged.and(outcome(summary.verdict, &[])?))
+    Ok(judged.and(outcome(summary.verdict, &doubts)?))
 }
 
 fn beside_text(body: &Beside) -> String {
@@ -242,6 +248,6 @@ fn beside_text(body: &Beside) -> String {
         number(body.r#loop.median_us, 2),
         number(body.r#loop.p99_us, 2),
         body.r#loop.missed,
-        verdict(body.summary, &[])
+        verdict(body.summary, body.doubts)
     )
 }

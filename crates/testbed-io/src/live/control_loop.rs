@@ -188,6 +188,7 @@ impl<'a> ControlLoop<'a> {
         self.pass_notes(update);
         self.judge_arrived();
         for robot in 0..self.convoy.robots() {
+            self.judge.misplaced(robot, self.watch.misplaced_m(robot));
             if self.contradictions.lasted_s(robot).is_some() {
                 self.judge.sights().doubt(Doubt::Disbelieved(robot));
             }

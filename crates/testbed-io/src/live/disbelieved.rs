@@ -17,15 +17,18 @@ pub(super) struct Disbelieved {
     since_s: f64,
     newest: StampedPose,
     poses: u32,
+    /// From where its commands led it, in m and rad
+    off: Option<[f64; 2]>,
 }
 
 impl Disbelieved {
     /// One more.
-    pub(super) fn after(before: Option<Self>, newest: StampedPose) -> Self {
+    pub(super) fn after(before: Option<Self>, newest: StampedPose, off: Option<[f64; 2]>) -> Self {
         Self {
             since_s: before.map_or(newest.stamp_s, |before| before.since_s),
             newest,
             poses: before.map_or(1, |before| before.poses.saturating_add(1)),
+            off,
         }
     }
 
@@ -81,11 +84,12 @@ impl Contradictions {
         if std::mem::replace(&mut self.told[robot], true) {
             return None;
         }
-        let pose = self.now[robot]?.newest.pose;
+        let Disbelieved { newest, off, .. } = self.now[robot]?;
         Some(Note::Disbelieved {
             id: self.ids[robot],
             lasted_s,
-            place_m: [pose.x_m, pose.y_m],
+            place_m: [newest.pose.x_m, newest.pose.y_m],
+            off,
         })
     }
 }
@@ -113,7 +117,11 @@ mod tests {
         let mut all = Contradictions::new(&scenario, &[7, 8]);
         for step in 0..60 {
             let stamp_s = 10.0 + 0.02 * f64::from(step);
-            all.now[1] = Some(Disbelieved::after(all.now[1], seen(stamp_s, 2.0)));
+            all.now[1] = Some(Disbelieved::after(
+                all.now[1],
+                seen(stamp_s, 2.0),
+                Some([0.4, 0.0]),
+            ));
             let is_long = stamp_s > 10.51;
             assert_eq!(all.lasted_s(1).is_some(), is_long, "{stamp_s}");
             assert_eq!(all.is_near(0, &seen(stamp_s, 1.8).pose), is_long);
@@ -123,7 +131,9 @@ mod tests {
         let note = all.note(1).map(|note| note.to_string());
         let note = note.unwrap_or_default();
         assert!(
-            note.contains("robot 8: for 1.2 s") && note.contains("(2.00, 0.00) m"),
+            note.contains("robot 8: for 1.2 s")
+                && note.contains("(2.00, 0.00) m")
+                && note.contains(", 400 mm and 0° off"),
             "{note}"
         );
         assert!(all.note(1).is_none() && all.note(0).is_none());

@@ -15,6 +15,8 @@ const STEP_S: f64 = 0.05;
 const STEPS: u32 = 31;
 /// How many standard deviations of noise make a difference certain.
 const CERTAIN: f64 = 6.0;
+/// What poses scatter at least, in m, by rounding and steps of time.
+const LEAST_SCATTER_M: f64 = 5e-4;
 /// Fewer poses say nothing.
 const FEWEST: usize = 7;
 /// Share of twice the error of a wheel by which two wheels may differ: errors of both that add up are worse than either.
@@ -43,6 +45,17 @@ pub(super) enum Differs {
     Course(f64),
     /// Its left and right wheel by these shares of what they are told
     Wheels([f64; 2]),
+    /// At once to the left of where it was, by this in m
+    Jump(f64),
+}
+
+/// Between heading and direction of motion, in rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Course {
+    /// To the left
+    pub(super) angle_rad: f64,
+    /// What noise makes of it
+    pub(super) sigma_rad: f64,
 }
 
 /// How well some lag explains the poses, in squares of m.
@@ -118,11 +131,23 @@ impl Fit {
         )
     }
 
-    /// The lag beyond `known_s` with which wheels as stated explain the poses, if no lesser one does with any wheels.
+    /// Where it moves, less where it heads; none of a robot that hardly moves.
+    pub(super) fn course(&self) -> Option<Course> {
+        let slope = self.course.slope();
+        let noise_m2 = self.noise_m2(self.course.rest(slope), self.stated.noise_m.powi(2));
+        (self.course.xx > noise_m2).then(|| Course {
+            angle_rad: slope.atan(),
+            sigma_rad: (noise_m2 / self.course.xx).sqrt(),
+        })
+    }
+
+    /// The lag beyond `known_s` with which wheels as stated explain the poses, if no lesser one does with any wheels. Where poses
+    /// scatter less than is stated, lesser lags are told apart.
     pub(super) fn lag_s(&self, known_s: f64) -> Option<f64> {
         let best = self.best(known_s)?;
         let is_late = best.late.bound - best.free_m2 <= best.certain_m2;
-        let is_in_time = best.in_time.free - best.free_m2 <= best.certain_m2;
+        let scatter_m2 = self.noise_m2(0.5 * best.free_m2, LEAST_SCATTER_M * LEAST_SCATTER_M);
+        let is_in_time = best.in_time.free - best.free_m2 <= CERTAIN * CERTAIN * scatter_m2;
         (is_late && !is_in_time).then_some(best.late.lag_s)
     }
 

@@ -27,6 +27,8 @@ pub struct Bounds {
     pub turn_rate_rad_s: f64,
     /// Distance between their wheels, in m
     pub wheel_base_m: f64,
+    /// How far each wheel may be off what it is told, as a share
+    pub wheel_error: f64,
     /// How near two of them can be to each other, in m
     pub spacing_m: f64,
 }
@@ -34,20 +36,17 @@ pub struct Bounds {
 /// By how much a newer pose is newer, in s; more than the drift of clocks makes of a stamp that repeats itself.
 const NEWER_S: f64 = 5e-4;
 /// How wrong a pose may be, in m and rad.
-const TOLERANCE_M: f64 = 0.05;
+pub(super) const TOLERANCE_M: f64 = 0.05;
 const TOLERANCE_RAD: f64 = 0.5;
 /// A robot out of sight was told to stop and has stopped within this time, in s: it is not farther away than it can move in it.
-const STOPPED_AFTER_S: f64 = 2.5;
+pub(super) const STOPPED_AFTER_S: f64 = 2.5;
 /// Poses are compared with one that is older than this besides, in s, so that the tolerance does not add up from pose to pose.
 const APART_S: f64 = 0.5;
 /// What a robot was told before a pose may take effect after it: so late may commands and poses be together, in s.
-const UNDER_WAY_S: f64 = 0.3;
+pub(super) const UNDER_WAY_S: f64 = 0.3;
 /// A robot that was not seen for longer may not have heard that it shall stop, in s, and have turned on by this at most, in rad.
 const IN_SIGHT_S: f64 = 0.3;
 const UNHEARD_RAD: f64 = 1.5;
-/// How far each wheel may be off what it is told.
-const WHEEL_ERROR: f64 = 0.1;
-
 /// Remembers where each robot was.
 #[derive(Debug, Clone)]
 pub(super) struct Gate {
@@ -66,6 +65,8 @@ struct Track {
     earlier: [Option<StampedPose>; 2],
     /// Poses in a row that agree with each other
     agreeing: u32,
+    /// Whether poses since the last say that it is where it cannot be
+    strayed: bool,
 }
 
 impl Gate {
@@ -93,8 +94,26 @@ impl Gate {
         self.started = true;
     }
 
+    /// How far a pose is from where commands led the robot since its last, in m and rad.
+    pub(super) fn off(&self, robot: usize, seen: &StampedPose) -> Option<[f64; 2]> {
+        let last = self.tracks[robot].last?;
+        let led = self.told[robot].carried(&last, seen.stamp_s);
+        let off_rad = wrapped(seen.pose.heading_rad - led.heading_rad);
+        Some([distance_m(&led, &seen.pose), off_rad])
+    }
+
     /// Takes a finite pose, or says what is wrong with it.
     pub(super) fn pass(&mut self, robot: usize, seen: StampedPose) -> Result<(), Dropped> {
+        let passed = self.look_at(robot, seen);
+        let cannot_be = matches!(
+            passed,
+            Err(Dropped::Jump | Dropped::Overlapping | Dropped::Outside)
+        );
+        self.tracks[robot].strayed |= self.started && cannot_be;
+        passed
+    }
+
+    fn look_at(&mut self, robot: usize, seen: StampedPose) -> Result<(), Dropped> {
         if !self.bounds.arena.contains(&seen.pose) {
             return Err(Dropped::Outside);
         }
@@ -125,10 +144,17 @@ impl Track {
             return Err(Dropped::Old);
         }
         let within = |before: Option<StampedPose>, most_s: f64| {
-            before.is_none_or(|before| bounds.reach(&before, seen, most_s, told))
+            before.is_none_or(|before| bounds.reach(&before, seen, most_s, told, self.strayed))
+        };
+        let is_led = |last: StampedPose| {
+            let is_in_sight = !self.strayed && seen.stamp_s - last.stamp_s <= IN_SIGHT_S;
+            is_in_sight || bounds.is_led(&last, seen, told, self.strayed)
         };
         // In sight since the earlier pose, it may have moved all the time.
-        if within(self.last, STOPPED_AFTER_S) && within(self.earlier[0], f64::INFINITY) {
+        if within(self.last, STOPPED_AFTER_S)
+            && within(self.earlier[0], f64::INFINITY)
+            && self.last.is_none_or(is_led)
+        {
             Ok(())
         } else {
             Err(Dropped::Jump)
@@ -141,6 +167,7 @@ impl Track {
             self.earlier = [newer.or(older), Some(seen)];
         }
         self.last = Some(seen);
+        self.strayed = false;
         self.agreeing = self.agreeing.saturating_add(1);
     }
 }
@@ -155,24 +182,31 @@ impl Arena {
 impl Bounds {
     /// Whether a robot can have come from one pose to the other if it moved for at most some time. Its heading is as it was told: it can
     /// turn too fast for anything else to mean much.
-    fn reach(&self, before: &StampedPose, seen: &StampedPose, most_s: f64, told: &Told) -> bool {
+    fn reach(
+        &self,
+        before: &StampedPose,
+        seen: &StampedPose,
+        most_s: f64,
+        told: &Told,
+        contradicted: bool,
+    ) -> bool {
         let moving_s = (seen.stamp_s - before.stamp_s).min(most_s);
         let most_m = self.speed_mps * moving_s;
         let most_rad = if told.is_empty() {
             self.turn_rate_rad_s * moving_s
         } else {
-            self.told_rad(before.stamp_s, seen.stamp_s, told)
+            self.told_rad(before.stamp_s, seen.stamp_s, told, contradicted)
         };
         distance_m(&before.pose, &seen.pose) <= TOLERANCE_M + most_m
             && turned_rad(&before.pose, &seen.pose) <= TOLERANCE_RAD + most_rad
     }
 
     /// The turn to which commands can have led.
-    fn told_rad(&self, from_s: f64, to_s: f64, told: &Told) -> f64 {
+    fn told_rad(&self, from_s: f64, to_s: f64, told: &Told, contradicted: bool) -> f64 {
         let way = told.between(from_s - UNDER_WAY_S, to_s);
         let [left_m, right_m] = way.wheels_m;
-        let wheels_rad = WHEEL_ERROR * (left_m + right_m) / self.wheel_base_m;
-        let unheard_rad = if to_s - from_s > IN_SIGHT_S {
+        let wheels_rad = self.wheel_error * (left_m + right_m) / self.wheel_base_m;
+        let unheard_rad = if to_s - from_s > IN_SIGHT_S && !contradicted {
             let last = told.between(from_s - UNDER_WAY_S, from_s);
             let rate_rad_s = last.turned_rad / UNDER_WAY_S;
             (rate_rad_s * (to_s - from_s).min(STOPPED_AFTER_S)).min(UNHEARD_RAD)
@@ -217,6 +251,7 @@ mod tests {
         speed_mps: 0.3,
         turn_rate_rad_s: 3.0,
         wheel_base_m: 0.1,
+        wheel_error: 0.1,
         spacing_m: 0.1,
     };
 

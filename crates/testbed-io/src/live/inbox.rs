@@ -273,11 +273,12 @@ impl State {
             pose: seen.pose,
         };
         let passed = self.gate.pass(robot, accepted);
+        let off = self.gate.off(robot, &accepted);
         let disbelieved = &mut self.disbelieved[robot];
         match passed {
             Ok(()) => *disbelieved = None,
             Err(Dropped::Jump | Dropped::Overlapping | Dropped::Outside) => {
-                *disbelieved = Some(Disbelieved::after(*disbelieved, accepted));
+                *disbelieved = Some(Disbelieved::after(*disbelieved, accepted, off));
             }
             Err(_) => {}
         }

@@ -18,6 +18,7 @@ use super::poses::{Program, Receiver, Recorded, Running, listen};
 use super::robotarium::{self, Robotarium};
 use super::spec::{CommandsSpec, LinkSpec, PosesSpec};
 use crate::Error;
+use crate::measured::wheel_error;
 
 /// How long robots have to confirm that they stand.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
@@ -252,6 +253,7 @@ fn bounds(spec: &LinkSpec, scenario: &Scenario) -> Bounds {
         speed_mps: FASTER * body.max_wheel_speed_mps,
         turn_rate_rad_s: FASTER * turn_rate_rad_s,
         wheel_base_m: body.wheel_base_m,
+        wheel_error: wheel_error(scenario),
         spacing_m: body.wheel_base_m,
     }
 }

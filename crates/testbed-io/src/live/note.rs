@@ -35,6 +35,8 @@ pub enum Note {
         lasted_s: f64,
         /// Where they say that it is, in m
         place_m: [f64; 2],
+        /// How far that is from where they can have led it, in m and rad, if that is known
+        off: Option<[f64; 2]>,
     },
     /// A robot was measured outside its lane and stands for good
     OutsideLane {
@@ -58,6 +60,17 @@ pub enum Note {
         how: Differing,
         /// What is done about it
         then: Consequence,
+    },
+    /// A robot that moves beside its heading may be outside its lane and stands for good
+    BesideHeading {
+        /// Which
+        id: u32,
+        /// By which angle, in rad
+        off_rad: f64,
+        /// How far from the path it may be, in m
+        outside_m: f64,
+        /// How far its lane reaches, in m
+        half_width_m: f64,
     },
     /// A robot follows its commands later than is stated, and not too late to be driven
     Late {
@@ -102,6 +115,13 @@ pub enum Differing {
         way_m: f64,
         /// By which angle, in rad
         turned_rad: f64,
+    },
+    /// Its poses jump across its heading
+    Jump {
+        /// By how much to the left in all, in m
+        jump_m: f64,
+        /// Noise that is stated, in m
+        noise_m: f64,
     },
     /// It follows too late
     Lag {

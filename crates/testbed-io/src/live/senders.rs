@@ -162,6 +162,7 @@ mod tests {
         speed_mps: 0.3,
         turn_rate_rad_s: 3.0,
         wheel_base_m: 0.1,
+        wheel_error: 0.1,
         spacing_m: 0.1,
     };
 

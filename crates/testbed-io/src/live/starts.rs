@@ -6,6 +6,7 @@ use unicycle_cbf::{Scenario, Speeds, StampedPose};
 
 use super::counts::Counts;
 use super::gate::wrapped;
+use super::heading::{Room, UNKNOWN_RAD};
 use super::words::names;
 use crate::error::Error;
 
@@ -16,6 +17,9 @@ const GETTING_READY: Duration = Duration::from_secs(300);
 const SLACK_RAD: f64 = 0.3;
 /// How far a heading may be from the path's direction, in rad.
 const MOST_COURSE_RAD: f64 = 1.4;
+/// How often noise of headings is counted, and after which way it shows where a robot moves, in m.
+const NOISE_PEAKS: f64 = 3.0;
+const SEEN_AFTER_M: f64 = 0.06;
 
 /// # Errors
 ///
@@ -32,6 +36,7 @@ pub(super) fn check(
         let problem = degrees(own)
             .or_else(|| lane(scenario, own))
             .or_else(|| heading(scenario, own))
+            .or_else(|| misplaced(scenario, own))
             .or_else(|| leader.and_then(|(id, leader)| order(scenario, robot, own, id, leader)))
             .or_else(|| room(scenario, own, ids, &seen[..robot]));
         if let Some((problem, help)) = problem {
@@ -57,11 +62,37 @@ fn degrees(own: &StampedPose) -> Option<Problem> {
     })
 }
 
-fn heading(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
+/// By how much a robot heads off the path's direction, in rad.
+fn off_rad(scenario: &Scenario, own: &StampedPose) -> f64 {
     let controller = scenario.controller();
     let state = own.pose.state(controller.body().offset_m, Speeds::ZERO);
     let foot = controller.foot(&state);
-    let off_rad = wrapped(own.pose.heading_rad - foot.heading_rad());
+    wrapped(own.pose.heading_rad - foot.heading_rad())
+}
+
+/// A robot that stands along the path while its heading is measured off it turns its point of interest out of a narrow lane before that
+/// shows in how it moves.
+fn misplaced(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
+    let room = Room::of(scenario);
+    let off_rad = off_rad(scenario, own).abs();
+    let noise_rad = scenario.controller().settings().hardening.heading_noise_rad;
+    let most_rad = (off_rad + NOISE_PEAKS * noise_rad).min(UNKNOWN_RAD);
+    let most_m = room.misplaced_m(most_rad) + SEEN_AFTER_M * most_rad.sin();
+    let half_width_m = scenario.spec().controller.lane.half_width_m;
+    (most_m > half_width_m).then(|| {
+        let problem = format!(
+            "it heads {:.0}° off the path's direction: if that is an error of its heading, its point of interest comes {:.0} mm from the path before \
+             that shows, and the lane reaches {:.0} mm to each side",
+            off_rad.to_degrees(),
+            1e3 * most_m,
+            1e3 * half_width_m
+        );
+        (problem, "turn it along the path, or see whether the tracker's headings are right")
+    })
+}
+
+fn heading(scenario: &Scenario, own: &StampedPose) -> Option<Problem> {
+    let off_rad = off_rad(scenario, own);
     (off_rad.abs() > MOST_COURSE_RAD).then(|| {
         let problem = format!(
             "it heads {:.0}° off the path's direction, at most {:.0}° can be started from",

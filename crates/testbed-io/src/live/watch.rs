@@ -5,6 +5,8 @@ use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
+use super::heading::{Heading, Room};
+use super::jump::Jumps;
 use super::moved::{KEPT_S, Trail};
 use super::note::{Consequence, Differing, Note};
 use super::roll_call::RollCall;
@@ -28,10 +30,15 @@ const SHOWN_S: f64 = 0.5;
 /// How often each robot is looked at, in s, and how often in a row it has to differ.
 const LOOK_S: f64 = 0.1;
 const IN_A_ROW: u32 = 2;
+/// The same of a lag that is only told, and by how much its size may differ, in s.
+const LATE_IN_A_ROW: u32 = 5;
+const SAME_LAG_S: f64 = 0.06;
 /// Share of its speed at which a robot that differs goes on, at least so many m/s, and for how long, in s, before it is looked at anew.
 const SLOW: f64 = 0.5;
 const SLOW_MPS: f64 = 0.02;
 const SLOW_S: f64 = 1.2;
+/// How often noise is counted where a robot is held against what rows keep.
+const NOISE_PEAKS: f64 = 3.0;
 /// A robot that differs, or did once, does not go on beyond this share of its lane.
 const SURE_OF_LANE: f64 = 0.85;
 /// A robot that was told nothing does not move farther than this, in m and rad.
@@ -44,6 +51,9 @@ pub(super) struct Watch {
     ids: Vec<u32>,
     stated: Stated,
     half_width_m: f64,
+    room: Room,
+    /// Noise of a point of interest, in m
+    point_noise_m: f64,
     /// Older poses are not looked at, in s
     recent_s: f64,
     /// Steps between two looks at a robot
@@ -60,10 +70,16 @@ struct Own {
     allowed: Allowed,
     /// Looks in a row that found it different
     differing: u32,
+    /// The same of those that found it late by about this, in s
+    late: (u32, f64),
     lag_told: bool,
     deviation_m: f64,
     was_inside: bool,
     shown: Option<[f64; 2]>,
+    heading: Heading,
+    jumps: Jumps,
+    /// How far its point of interest was found to be from where it is taken to be, in m
+    misplaced_m: f64,
 }
 
 /// How far a robot may do what was decided.
@@ -91,10 +107,14 @@ impl Watch {
             trail: Trail::default(),
             allowed: Allowed::All,
             differing: 0,
+            late: (0, 0.0),
             lag_told: false,
             deviation_m: 0.0,
             was_inside: false,
             shown: None,
+            heading: Heading::UNKNOWN,
+            jumps: Jumps::default(),
+            misplaced_m: 0.0,
         };
         let noise_m = hardening.position_noise_m.max(NOISE_M);
         Self {
@@ -108,6 +128,8 @@ impl Watch {
                 lag_s: LAG_MOST_S,
             },
             half_width_m: scenario.spec().controller.lane.half_width_m,
+            room: Room::of(scenario),
+            point_noise_m: noise_m + controller.body().offset_m * noise_rad,
             recent_s: hardening.max_pose_age_s.unwrap_or(0.0).max(RECENT_S),
             every: (LOOK_S / controller.hold_s()).round().max(1.0) as usize,
             robots: ids.iter().map(|_| own()).collect(),
@@ -144,6 +166,11 @@ impl Watch {
         self.robots[robot].told.until(time_s).path_m
     }
 
+    /// How far the point of interest of a robot was found to be from where it is taken to be, in m.
+    pub(super) fn misplaced_m(&self, robot: usize) -> f64 {
+        self.robots[robot].misplaced_m
+    }
+
     /// Looks at some of the robots, at all of them over a tenth of a second; gives what the user should know.
     pub(super) fn look(&mut self, step: usize, time_s: f64) -> Vec<Note> {
         for robot in 0..self.robots.len() {
@@ -163,7 +190,7 @@ impl Watch {
         let [position_m, heading_rad] = own.shown.unwrap_or([f64::NAN; 2]);
         let allowed_mps = match own.allowed {
             _ if self.roll_call.holds(robot) => Some(0.0),
-            Allowed::All => None,
+            Allowed::All => own.heading.most_mps(&self.room),
             Allowed::Slow { most_mps, .. } => Some(most_mps),
             Allowed::Nothing => Some(0.0),
         };
@@ -172,6 +199,7 @@ impl Watch {
             innovation_heading_rad: heading_rad,
             allowed_mps,
             disbelieved_s: None,
+            misplaced_m: Some(own.misplaced_m).filter(|misplaced_m| *misplaced_m > 0.0),
         }
     }
 
@@ -193,16 +221,22 @@ impl Watch {
         if own.allowed == Allowed::Nothing || own.told.is_empty() || !is_seen {
             return;
         }
+        let fit = Fit::new(&own.trail, KEPT_S, &own.told, self.stated);
+        own.heading.learn(fit.as_ref().and_then(Fit::course));
         let found = own.found(&self.stated);
         own.differing = if found.is_some() {
             own.differing + 1
         } else {
             0
         };
-        let lag_s = own.lag_s(&self.stated);
         let how = found.filter(|_| own.differing >= IN_A_ROW);
+        let misplaced_m = how.map_or(0.0, |how| misplaced_m(how, &self.room));
+        own.misplaced_m = own.misplaced_m.max(misplaced_m);
         let id = self.ids[robot];
-        let near = own.deviation_m.abs() > SURE_OF_LANE * self.half_width_m;
+        let deviation_m = own.deviation_m.abs() + misplaced_m;
+        let near = deviation_m > SURE_OF_LANE * self.half_width_m;
+        let noise_m = NOISE_PEAKS * self.point_noise_m;
+        let outside_m = own.heading.outside_m(&self.room, own.deviation_m, noise_m);
         if near && matches!(own.allowed, Allowed::Slow { .. }) {
             own.allowed = Allowed::Nothing;
             let left_m = self.half_width_m - own.deviation_m.abs();
@@ -211,7 +245,17 @@ impl Watch {
             && let Some(then) = own.believed_less(time_s, near)
         {
             self.notes.push(Note::Differs { id, how, then });
-        } else if let Some(lag_s) = lag_s {
+        } else if let Some(outside_m) = outside_m {
+            own.allowed = Allowed::Nothing;
+            let off_m = outside_m - own.deviation_m.abs();
+            own.misplaced_m = own.misplaced_m.max(off_m);
+            self.notes.push(Note::BesideHeading {
+                id,
+                off_rad: own.heading.off_rad(),
+                outside_m,
+                half_width_m: self.half_width_m,
+            });
+        } else if let Some(lag_s) = own.lag_s(&self.stated, fit.as_ref()) {
             own.lag_told = true;
             self.notes.push(Note::Late { id, lag_s });
         }
@@ -225,7 +269,8 @@ impl Own {
     }
 
     /// How it moves otherwise than told.
-    fn found(&self, stated: &Stated) -> Option<Differing> {
+    fn found(&mut self, stated: &Stated) -> Option<Differing> {
+        let jumped_m = self.jumps.look(&self.trail, stated.noise_m);
         if let Some(how) = self.moved_untold(stated) {
             return Some(how);
         }
@@ -233,16 +278,26 @@ impl Own {
             let fit = Fit::new(&self.trail, *window_s, &self.told, *stated)?;
             fit.differs()
         });
-        fits.next().map(|differs| differs.beyond(stated))
+        let jump = jumped_m.map(Differs::Jump);
+        let differs = fits.next().or(jump)?;
+        Some(differs.beyond(stated))
     }
 
-    fn lag_s(&self, stated: &Stated) -> Option<f64> {
+    fn lag_s(&mut self, stated: &Stated, fit: Option<&Fit>) -> Option<f64> {
         if self.lag_told {
             return None;
         }
-        let fit = Fit::new(&self.trail, KEPT_S, &self.told, *stated)?;
-        let lag_s = fit.lag_s(LAG_NOTED_S)?;
-        (lag_s <= stated.lag_s).then_some(lag_s)
+        let lag_s = fit.and_then(|fit| fit.lag_s(LAG_NOTED_S));
+        let lag_s = lag_s.filter(|lag_s| *lag_s <= stated.lag_s);
+        let (looks, first_s) = self.late;
+        self.late = match lag_s {
+            Some(lag_s) if looks > 0 && (lag_s - first_s).abs() <= SAME_LAG_S => {
+                (looks + 1, first_s)
+            }
+            Some(lag_s) => (1, lag_s),
+            None => (0, 0.0),
+        };
+        lag_s.filter(|_| self.late.0 >= LATE_IN_A_ROW)
     }
 
     fn moved_untold(&self, stated: &Stated) -> Option<Differing> {
@@ -278,9 +333,23 @@ impl Own {
     }
 }
 
+/// How far the point of interest is from where it is taken to be, in m.
+fn misplaced_m(how: Differing, room: &Room) -> f64 {
+    match how {
+        Differing::MovedWhileStanding { way_m, .. } => way_m,
+        Differing::Course { course_rad, .. } => room.misplaced_m(course_rad),
+        Differing::Jump { jump_m, .. } => jump_m.abs(),
+        Differing::Lag { .. } | Differing::Wheels { .. } => 0.0,
+    }
+}
+
 impl Differs {
     fn beyond(self, stated: &Stated) -> Differing {
         match self {
+            Self::Jump(jump_m) => Differing::Jump {
+                jump_m,
+                noise_m: stated.noise_m,
+            },
             Self::Lag(lag_s) => Differing::Lag {
                 lag_s,
                 most_s: stated.lag_s,

@@ -18,11 +18,22 @@ impl Display for Note {
                 write!(out, "robot {id} is out of sight: it and those behind it stand; {help}")
             }
             Self::SeenAgain { id } => write!(out, "robot {id} is seen again"),
-            Self::Disbelieved { id, lasted_s, place_m: [x_m, y_m] } => write!(
-                out,
-                "robot {id}: for {lasted_s:.1} s its poses have said that it is at ({x_m:.2}, {y_m:.2}) m, where its commands cannot have led it: \
-                 whether robots touch is not known, and robots near that place stand"
-            ),
+            Self::Disbelieved {
+                id,
+                lasted_s,
+                place_m: [x_m, y_m],
+                off,
+            } => {
+                let by = off.map_or(String::new(), |[off_m, off_rad]| {
+                    let (mm, degrees) = (1e3 * off_m, off_rad.abs().to_degrees());
+                    format!(", {mm:.0} mm and {degrees:.0}° off")
+                });
+                write!(
+                    out,
+                    "robot {id}: for {lasted_s:.1} s its poses have said that it is at ({x_m:.2}, {y_m:.2}) m, where its commands cannot have led it{by}: \
+                     whether robots touch is not known, and robots near that place stand"
+                )
+            }
             Self::OutsideLane { id, by_m } => write!(
                 out,
                 "robot {id} is measured {:.0} mm outside its lane: it stands for good; put it back and start anew",
@@ -34,6 +45,18 @@ impl Display for Note {
                 1e3 * left_m
             ),
             Self::Differs { id, how, then } => write!(out, "robot {id} {how}; {then}"),
+            Self::BesideHeading {
+                id,
+                off_rad,
+                outside_m,
+                half_width_m,
+            } => write!(
+                out,
+                "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
+                off_rad.to_degrees(),
+                1e3 * outside_m,
+                1e3 * half_width_m
+            ),
             Self::Late { id, lag_s } => write!(
                 out,
                 "robot {id} follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
@@ -79,6 +102,13 @@ impl Display for Differing {
                 "was told to stand and has moved by {:.0} mm and {:.0}°",
                 1e3 * way_m,
                 turned_rad.to_degrees()
+            ),
+            Self::Jump { jump_m, noise_m } => write!(
+                out,
+                "jumps by {:.0} mm in all to the {} of its heading, where its commands cannot have led it; {:.0} mm of noise are stated",
+                1e3 * jump_m.abs(),
+                if jump_m > 0.0 { "left" } else { "right" },
+                1e3 * noise_m
             ),
             Self::Lag { lag_s, most_s } => write!(
                 out,

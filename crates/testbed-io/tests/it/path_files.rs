@@ -76,6 +76,21 @@ fn columns_that_are_no_places_in_a_plane_are_refused() {
 }
 
 #[test]
+fn decimals_with_a_comma_are_refused_with_the_cure() {
+    for text in [
+        "x_m;y_m\n1,2;0,5\n",
+        "x_m,y_m\n\"1,2\",\"0,5\"\n",
+        "x_m\ty_m\n-1,2\t0,5\n",
+        "x_m;y_m\n1;0\n1;5,3e-1\n",
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.contains("write decimals with a point"), "{error}");
+    }
+    let error = read("x_m,y_m\n1,\n").unwrap_err();
+    assert!(error.contains("complete or delete the line"), "{error}");
+}
+
+#[test]
 fn a_path_is_open_if_its_ends_are_farther_apart_than_its_points() {
     let arc = |turns: f64| {
         let angles = (0..40).map(|i| f64::from(i) / 40.0 * turns * std::f64::consts::TAU);

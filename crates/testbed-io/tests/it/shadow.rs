@@ -1,7 +1,8 @@
 //! Controllers beside recorded robots.
 
 use testbed_io::recorded::{RecordingLayout, read_recording};
-use testbed_io::{scenario_of, shadow};
+use testbed_io::{Shadow, scenario_of, shadow};
+use testbed_sim::Verdict;
 use testbed_sim::summary::outcomes_of;
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
@@ -12,6 +13,53 @@ fn settings() -> unicycle_cbf::ControllerSettings {
         .scenario("straight", Preset::Hardened)
         .unwrap()
         .controller
+}
+
+/// Two robots that go round a circle for a minute, seen every so often.
+fn round(every_s: f64, radians: f64, second_from_s: f64) -> Shadow {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..(60.0 / every_s) as u32 {
+        let time_s = f64::from(i) * every_s;
+        for (robot, ahead) in [("a", 0.8), ("b", 0.0)] {
+            if robot == "b" && time_s < second_from_s {
+                continue;
+            }
+            let angle = 0.1 * time_s + ahead;
+            let heading = radians * (angle + std::f64::consts::FRAC_PI_2);
+            let (sin, cos) = angle.sin_cos();
+            text += &format!("{time_s},{robot},{cos},{sin},{heading}\n");
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("poses.csv");
+    std::fs::write(&file, text).unwrap();
+    let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
+    let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
+    shadow(&Scenario::new(spec).unwrap(), &recording).unwrap()
+}
+
+#[test]
+fn robots_of_which_little_was_recorded_are_not_called_safe() {
+    for (every_s, radians, second_from_s, doubt) in [
+        (0.05, 1.0, 0.0, None),
+        (0.2, 1.0, 0.0, None),
+        (5.0, 1.0, 0.0, Some("robot a was seen too seldom")),
+        (0.05, 1.0, 30.0, Some("robot b was seen too seldom")),
+        (
+            0.05,
+            57.3,
+            0.0,
+            Some("headings of robot b go beyond a full turn"),
+        ),
+    ] {
+        let Shadow {
+            summary, doubts, ..
+        } = round(every_s, radians, second_from_s);
+        let expected = doubt.map_or(Verdict::Safe, |_| Verdict::NotKnown);
+        assert_eq!(summary.verdict, expected, "{every_s} {radians} {doubts:?}");
+        let found = doubt.is_none_or(|doubt| doubts.iter().any(|text| text.contains(doubt)));
+        assert!(found && doubts.is_empty() == doubt.is_none(), "{doubts:?}");
+    }
 }
 
 /// Two robots that go round a circle, with a gap in the poses of the second.
@@ -39,7 +87,7 @@ fn gaps_stop_the_robot_and_all_else_does_not() {
     let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
     let scenario = Scenario::new(spec).unwrap();
-    let (ticks, summary) = shadow(&scenario, &recording).unwrap();
+    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording).unwrap();
     let outcomes = outcomes_of(&ticks, 1);
     let stale = outcomes.get("braking-stale-pose").copied().unwrap_or(0);
     assert!((48..=54).contains(&stale), "{outcomes:?}");
@@ -66,7 +114,7 @@ fn recorded_robots_give_decisions_throughout() {
     let recording = read_recording(&files, RecordingLayout::Mrclam).unwrap();
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
     let scenario = Scenario::new(spec).unwrap();
-    let (ticks, summary) = shadow(&scenario, &recording).unwrap();
+    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording).unwrap();
     assert_eq!(ticks.len(), 5 * scenario.steps());
     for robot in 0..5 {
         let outcomes = outcomes_of(&ticks, robot);

@@ -14,25 +14,25 @@ use super::world::Least;
 /// How far beyond the edge of its lane a robot may come, in m.
 const BEYOND_M: f64 = 0.01;
 
-struct Driven {
+pub struct Driven {
     /// With the time of the step before, in s
-    notes: Vec<(f64, String)>,
-    ended: Result<(Summary, LiveReport), Error>,
-    least: Least,
+    pub notes: Vec<(f64, String)>,
+    pub ended: Result<(Summary, LiveReport), Error>,
+    pub least: Least,
     spec: ScenarioSpec,
     link: LinkSpec,
-    ticks: Vec<Tick>,
+    pub ticks: Vec<Tick>,
 }
 
 impl Driven {
-    fn new(name: &str, duration_s: f64, faults: Faults) -> Self {
+    pub fn new(name: &str, duration_s: f64, faults: Faults) -> Self {
         let mut spec = Testbed::Khepera.scenario(name, Preset::Hardened).unwrap();
         spec.duration_s = duration_s;
         Self::of(spec, faults, f64::INFINITY)
     }
 
     /// The loop stands still for two seconds from a time on.
-    fn of(spec: ScenarioSpec, faults: Faults, stall_s: f64) -> Self {
+    pub fn of(spec: ScenarioSpec, faults: Faults, stall_s: f64) -> Self {
         let mut stalled = false;
         let mut kept = Vec::new();
         let scenario = Scenario::new(spec.clone()).unwrap();
@@ -69,7 +69,7 @@ impl Driven {
     }
 
     /// Of its log as CSV.
-    fn replay(&self) -> Replay {
+    pub fn replay(&self) -> Replay {
         let spec = RunFile {
             seed: 1,
             scenario: self.spec.clone(),
@@ -90,7 +90,7 @@ impl Driven {
     }
 
     /// Whether a robot was named for this, at a time that is given.
-    fn named_at_s(&self, what: &str) -> f64 {
+    pub fn named_at_s(&self, what: &str) -> f64 {
         let mut notes = self.notes.iter();
         let found = notes.find(|(_, text)| text.contains(what));
         found
@@ -98,12 +98,12 @@ impl Driven {
             .0
     }
 
-    fn stays(&self) {
+    pub fn stays(&self) {
         assert!(self.least.lane_clearance_m > -BEYOND_M, "{:?}", self.least);
         assert!(self.least.headway_m > -BEYOND_M, "{:?}", self.least);
     }
 
-    fn refused(&self, what: &str) {
+    pub fn refused(&self, what: &str) {
         let error = self.ended.as_ref().unwrap_err().to_string();
         assert!(error.contains(what), "{error}");
     }

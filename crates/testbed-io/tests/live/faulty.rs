@@ -32,6 +32,11 @@ pub struct Faults {
     pub held_up_s: [f64; 2],
     /// From when on the tracker says that the last robot is on the first
     pub on_first_after_s: f64,
+    /// From when on the last robot is measured elsewhere, and by how much in x and y, in m
+    pub elsewhere_after_s: f64,
+    pub elsewhere_m: [f64; 2],
+    /// All robots are measured farther to the left by the second, in m, each time after the first, in s
+    pub steps: [f64; 2],
     /// Time between two poses of a robot, where they do not come at every step
     pub every_s: f64,
 }
@@ -47,6 +52,9 @@ impl Faults {
         late_s: 0.0,
         held_up_s: [f64::INFINITY; 2],
         on_first_after_s: f64::INFINITY,
+        elsewhere_after_s: f64::INFINITY,
+        elsewhere_m: [0.0; 2],
+        steps: [f64::INFINITY, 0.0],
         every_s: 0.0,
     };
 
@@ -118,6 +126,16 @@ impl Robots {
             let first = poses[0];
             let last = poses.last_mut().unwrap();
             (last.x_m, last.y_m) = (first.x_m + 0.07, first.y_m + 0.03);
+        }
+        if let Some(last) = poses.last_mut()
+            && now_s >= self.faults.elsewhere_after_s
+        {
+            let [x_m, y_m] = self.faults.elsewhere_m;
+            (last.x_m, last.y_m) = (last.x_m + x_m, last.y_m + y_m);
+        }
+        let [every_s, step_m] = self.faults.steps;
+        for pose in &mut poses {
+            pose.y_m += step_m * (now_s / every_s).floor();
         }
         for (robot, pose) in poses.iter().enumerate() {
             serde_json::to_writer(&mut text, &self.faults.line(robot, pose, now_s)).unwrap();

@@ -10,6 +10,7 @@
 )]
 
 mod doubt;
+mod elsewhere;
 mod faulty;
 mod gone;
 mod json;

@@ -31,6 +31,7 @@ pub fn inbox() -> Inbox {
         speed_mps: 0.2,
         turn_rate_rad_s: 3.64,
         wheel_base_m: 0.1,
+        wheel_error: 0.1,
         spacing_m: 0.1,
     };
     Inbox::new(Clock::start(), &IDS, bounds)
@@ -141,6 +142,7 @@ fn poses_are_quick() {
         speed_mps: 100.0,
         turn_rate_rad_s: 0.0,
         wheel_base_m: 0.1,
+        wheel_error: 0.1,
         spacing_m: 0.0,
     };
     let inbox = Inbox::new(clock, &IDS, bounds);

@@ -57,6 +57,7 @@ impl Client {
             speed_mps: 3.0,
             turn_rate_rad_s: 3.0,
             wheel_base_m: 0.1,
+            wheel_error: 0.1,
             spacing_m: 0.1,
         };
         let inbox = Inbox::new(Clock::start(), &[1, 2], bounds);
@@ -264,6 +265,7 @@ fn what_cannot_be_opened_is_explained() {
             speed_mps: 1.0,
             turn_rate_rad_s: 1.0,
             wheel_base_m: 0.1,
+            wheel_error: 0.1,
             spacing_m: 0.1,
         };
         let inbox = Inbox::new(Clock::start(), &[1], bounds);

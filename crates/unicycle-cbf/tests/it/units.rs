@@ -94,6 +94,12 @@ fn angles_in_degrees_are_refused() {
             "{name}: {text}"
         );
     }
+    let text = refused(straight(), |spec| spec.robots[0].start = 1e300);
+    assert!(
+        text.contains("`start` 1e300") && text.contains("from -442 to 442"),
+        "{text}"
+    );
+    refused(straight(), |spec| spec.robots[1].start = -600.0);
     let text = refused(on_off(), |spec| spec.robots[1].start = 90.0);
     assert!(text.contains("revolutions"), "{text}");
 }

@@ -1,7 +1,9 @@
 //! Robots that would drive into each other: at a stand, on a loop, backwards.
 
-use testbed_sim::{RunSpec, Verdict};
-use unicycle_cbf::{HeadwaySettings, Preset, RobotSpec, Scenario, ScenarioSpec, State, Testbed};
+use testbed_sim::{RunSpec, Tick, Verdict};
+use unicycle_cbf::{
+    Deviation, Distance, HeadwaySettings, Preset, RobotSpec, Scenario, ScenarioSpec, State, Testbed,
+};
 
 use super::{Driven, driven, hardened, then};
 
@@ -21,6 +23,25 @@ fn hardened_built_in_scenarios_leave_the_clearance_between_bodies() {
             let scenario = built_in(testbed, name, Preset::Hardened);
             let clearance_m = scenario.controller.headway.clearance_m;
             driven(scenario).assert_safe(clearance_m, &format!("{} {name}", testbed.name()));
+        }
+    }
+}
+
+/// Whom a robot follows is found by its place along the path, also where no other row needs that.
+#[test]
+fn robots_without_a_limit_on_the_angle_to_the_path_keep_their_headway() {
+    for deviation in [Deviation::Radial, Deviation::Frenet] {
+        for distance in [Distance::Chord, Distance::Path] {
+            let mut spec = built_in(Testbed::Khepera, "on-off", Preset::Hardened);
+            spec.controller.hardening.max_course_angle_rad = None;
+            spec.controller.lane.deviation = deviation;
+            spec.controller.headway.distance = distance;
+            let what = format!("{deviation:?} {distance:?}");
+            let driven = driven(spec);
+            driven.assert_safe(CLEARANCE_M, &what);
+            let mut followers = driven.ticks.iter().filter(|tick| tick.robot == 1);
+            let has_row = |tick: &Tick| tick.decision.terms.is_none_or(|t| t.headway.is_some());
+            assert!(followers.all(has_row), "{what}");
         }
     }
 }
