@@ -1,9 +1,11 @@
 //! Controllers beside recorded motion: they decide at every step, and the robots do what they did.
 
+use testbed_sim::measured::most_mps;
+use testbed_sim::sight::{BESIDE_S, Doubt, Glimpse, Sights};
 use testbed_sim::summary::Summarising;
 use testbed_sim::tick::Truth;
 use testbed_sim::verdict::safeties;
-use testbed_sim::{Convoy, Summary, Tick};
+use testbed_sim::{Convoy, Summary, Tick, Verdict};
 use unicycle_cbf::{
     ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
     State, Testbed, Tracks,

@@ -190,12 +190,12 @@ fn wheel_factor(scenario: &Scenario) -> f64 {
 }
 
 /// How far each wheel may be off what it is told, as a share.
-pub(crate) fn wheel_error(scenario: &Scenario) -> f64 {
+pub fn wheel_error(scenario: &Scenario) -> f64 {
     let error = scenario.controller().settings().hardening.wheel_error;
     error.max(WHEEL_ERROR)
 }
 
 /// What wheels can do, error and all, in m/s.
-pub(crate) fn most_mps(scenario: &Scenario) -> f64 {
+pub fn most_mps(scenario: &Scenario) -> f64 {
     wheel_factor(scenario) * scenario.controller().body().max_wheel_speed_mps
 }

@@ -1,7 +1,7 @@
 //! For how long robots were not seen, and whether one can have left its lane or touched another meanwhile.
 
 /// Poses of two robots that are farther apart than this in time are not compared, in s.
-pub(crate) const BESIDE_S: f64 = 0.3;
+pub const BESIDE_S: f64 = 0.3;
 
 /// For how long a robot has to be seen without a break, in s, before it is known to do as it is told: the shorter time over which poses
 /// are compared with commands.

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::time::Duration;
 
+use testbed_sim::measured::wheel_error;
 use unicycle_cbf::Scenario;
 
 use super::clock::Clock;
@@ -18,7 +19,6 @@ use super::poses::{Program, Receiver, Recorded, Running, listen};
 use super::robotarium::{self, Robotarium};
 use super::spec::{CommandsSpec, LinkSpec, PosesSpec};
 use crate::Error;
-use crate::measured::wheel_error;
 
 /// How long robots have to confirm that they stand.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);

@@ -1,6 +1,6 @@
 //! Robots that are measured where their commands cannot have led them: named with the size, and stopped.
 
-use testbed_io::Verdict;
+use testbed_sim::Verdict;
 use unicycle_cbf::{Body, Preset, ScenarioSpec, Testbed};
 
 use super::doubt::Driven;
