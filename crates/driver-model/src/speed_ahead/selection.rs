@@ -92,7 +92,7 @@ fn with_or_without_limits(usable: &mut Vec<(usize, Motion)>, left_out: &mut Vec<
 
 /// Refuses drives of different sampling intervals.
 fn same_step<'a>(mut motions: impl Iterator<Item = &'a Motion> + Clone) -> Result<(), Error> {
-    let expected_s = motions.clone().next().map_or(1.0, |motion| motion.step_s());
+    let expected_s = motions.clone().next().map_or(1.0, Motion::step_s);
     match motions.find(|motion| (motion.step_s() - expected_s).abs() > 1e-9) {
         None => Ok(()),
         Some(other) => Err(Error::Steps {

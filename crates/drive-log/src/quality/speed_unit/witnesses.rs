@@ -93,7 +93,7 @@ impl Witnesses {
             pull_mps2: high(|span| span.accel_mps2)?,
             pull_w_per_kg: high(Span::inertia)?,
             limit_share: limit_share(log, &spans),
-            ratios: ratios.filter(|ratio| ratio.is_known()).collect(),
+            ratios: ratios.filter(Ratio::is_known).collect(),
             loads: loads(log, &spans),
         })
     }
