@@ -29,6 +29,7 @@ mod counts;
 mod disbelieved;
 mod drive;
 mod fit;
+mod found;
 mod gate;
 mod heading;
 mod hurry;

@@ -3,6 +3,7 @@
 use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
 use super::fit::{Differs, Fit, Stated};
+use super::found::Found;
 use super::gate::{distance_m, wrapped};
 use super::heading::{Heading, Room};
 use super::jump::Jumps;
@@ -79,17 +80,6 @@ struct Own {
     jumps: Jumps,
     /// How far its point of interest was found to be from where it is taken to be, in m
     misplaced_m: f64,
-}
-
-/// What a look at a robot found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Found {
-    /// It was told to stand and moved by this, in m and rad
-    Untold {
-        way_m: f64,
-        turned_rad: f64,
-    },
-    Differs(Differs),
 }
 
 /// How far a robot may do what was decided.
@@ -235,49 +225,27 @@ impl Watch {
         }
         let fit = Fit::new(&own.trail, KEPT_S, &own.told, self.stated);
         own.heading.learn(fit.as_ref().and_then(Fit::course));
-        let found = own.found(&self.stated);
-        own.differing = if found.is_some() {
-            own.differing + 1
-        } else {
-            0
-        };
-        let found = found.filter(|_| own.differing >= IN_A_ROW);
-        let misplaced_m = found
-            .as_ref()
-            .map_or(0.0, |found| found.misplaced_m(&self.room));
+        let found = own.certain(&self.stated);
+        let misplaced_m = found.map_or(0.0, |found| found.misplaced_m(&self.room));
         own.misplaced_m = own.misplaced_m.max(misplaced_m);
-        let id = self.ids[robot];
-        let deviation_m = own.deviation_m.abs() + misplaced_m;
-        let near = deviation_m > SURE_OF_LANE * self.half_width_m;
-        let noise_m = NOISE_PEAKS * self.point_noise_m;
-        let outside_m = own.heading.outside_m(&self.room, own.deviation_m, noise_m);
-        if near && matches!(own.allowed, Allowed::Slow { .. }) {
+        let most_m = own.deviation_m.abs() + misplaced_m;
+        let near = most_m > SURE_OF_LANE * self.half_width_m;
+        let done = if near && matches!(own.allowed, Allowed::Slow { .. }) {
             own.allowed = Allowed::Nothing;
-            self.notes.push(format!(
-                "robot {id}, which did not move as told, is {:.0} mm from the edge of its lane; it stands for good",
-                1e3 * (self.half_width_m - own.deviation_m.abs())
-            ));
-        } else if let Some(found) = found
-            && let Some(done) = own.believed_less(time_s, near)
-        {
-            let text = found.text(&self.stated);
-            self.notes.push(format!("robot {id} {text}; {done}"));
-        } else if let Some(outside_m) = outside_m {
-            own.allowed = Allowed::Nothing;
-            let off_m = outside_m - own.deviation_m.abs();
-            own.misplaced_m = own.misplaced_m.max(off_m);
-            self.notes.push(format!(
-                "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
-                own.heading.off_rad().to_degrees(),
-                1e3 * outside_m,
+            Some(format!(
+                ", which did not move as told, may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
+                1e3 * most_m,
                 1e3 * self.half_width_m
-            ));
-        } else if let Some(lag_s) = own.lag_s(&self.stated, fit.as_ref()) {
-            own.lag_told = true;
-            self.notes.push(format!(
-                "robot {id} follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
-            ));
-        }
+            ))
+        } else {
+            let done = found.and_then(|found| Some((found, own.believed_less(time_s, near)?)));
+            done.map(|(found, done)| format!(" {}; {done}", found.text(&self.stated)))
+        };
+        let done = done.or_else(|| own.turned_outside(&self.room, self.point_noise_m));
+        let done = done.or_else(|| own.is_late(&self.stated, fit.as_ref()));
+        let id = self.ids[robot];
+        self.notes
+            .extend(done.map(|done| format!("robot {id}{done}")));
     }
 }
 
@@ -285,6 +253,34 @@ impl Own {
     fn is_seen(&self, since_s: f64) -> bool {
         let newest = self.trail.newest();
         newest.is_some_and(|newest| newest.seen.stamp_s >= since_s)
+    }
+
+    /// How it moves otherwise than told, as it did when it was looked at before.
+    fn certain(&mut self, stated: &Stated) -> Option<Found> {
+        let found = self.found(stated);
+        self.differing = found.map_or(0, |_| self.differing + 1);
+        found.filter(|_| self.differing >= IN_A_ROW)
+    }
+
+    /// Stands where its heading, as far off as its motion shows, takes its point of interest out of the lane; gives what is said of it.
+    fn turned_outside(&mut self, room: &Room, noise_m: f64) -> Option<String> {
+        let noise_m = NOISE_PEAKS * noise_m;
+        let outside_m = self.heading.outside_m(room, self.deviation_m, noise_m)?;
+        self.allowed = Allowed::Nothing;
+        self.misplaced_m = self.misplaced_m.max(outside_m - self.deviation_m.abs());
+        Some(format!(
+            " moves {:.0}° beside its heading: it may be {:.0} mm from the path, beyond the edge of its lane; it stands for good",
+            self.heading.off_rad().to_degrees(),
+            1e3 * outside_m,
+        ))
+    }
+
+    fn is_late(&mut self, stated: &Stated, fit: Option<&Fit>) -> Option<String> {
+        let lag_s = self.lag_s(stated, fit)?;
+        self.lag_told = true;
+        Some(format!(
+            " follows its commands {lag_s:.2} s later than is stated: if poses are this late, add it to `latency_s` under [poses]"
+        ))
     }
 
     /// How it moves otherwise than told.
@@ -347,59 +343,6 @@ impl Own {
                 Some("it stands for good")
             }
             Allowed::Nothing => None,
-        }
-    }
-}
-
-impl Found {
-    /// How far the point of interest is from where it is taken to be, in m.
-    fn misplaced_m(&self, room: &Room) -> f64 {
-        match self {
-            Self::Untold { way_m, .. } => *way_m,
-            Self::Differs(Differs::Course(off_rad)) => room.misplaced_m(*off_rad),
-            Self::Differs(Differs::Jump(jump_m)) => jump_m.abs(),
-            Self::Differs(Differs::Lag(_) | Differs::Wheels(_)) => 0.0,
-        }
-    }
-
-    fn text(&self, stated: &Stated) -> String {
-        match self {
-            Self::Untold { way_m, turned_rad } => format!(
-                "was told to stand and has moved by {:.0} mm and {:.0}°",
-                1e3 * way_m,
-                turned_rad.to_degrees()
-            ),
-            Self::Differs(differs) => differs.text(stated),
-        }
-    }
-}
-
-impl Differs {
-    fn text(self, stated: &Stated) -> String {
-        let error = 100.0 * stated.wheel_error;
-        match self {
-            Self::Jump(jump_m) => format!(
-                "jumps by {:.0} mm in all to the {} of its heading, where its commands cannot have led it; {:.0} mm of noise are stated",
-                1e3 * jump_m.abs(),
-                if jump_m > 0.0 { "left" } else { "right" },
-                1e3 * stated.noise_m
-            ),
-            Self::Lag(lag_s) => format!(
-                "follows its commands {lag_s:.2} s later than is stated, at most {:.2} s can be driven with: state `latency_s` under [poses]",
-                stated.lag_s
-            ),
-            Self::Course(course_rad) => format!(
-                "does not move where it heads but {:.0}° to the {}: is the body turned on the tracker? up to {:.0}° can be driven with",
-                course_rad.abs().to_degrees(),
-                if course_rad > 0.0 { "left" } else { "right" },
-                stated.course_rad.to_degrees()
-            ),
-            Self::Wheels(gains) => {
-                let [left, right] = gains.map(|gain| 100.0 * gain);
-                format!(
-                    "does not do what it is told: its left wheel does {left:.0} %, its right one {right:.0} %, and {error:.0} % of error are stated"
-                )
-            }
         }
     }
 }
