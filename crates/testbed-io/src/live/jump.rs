@@ -33,6 +33,8 @@ struct Jump {
     size_m: f64,
     /// How much better it explains the poses, in squares of m
     better_m2: f64,
+    /// What it leaves of each
+    left_m2: f64,
 }
 
 impl Jumps {
@@ -67,23 +69,33 @@ fn jump<'a>(moved: impl Iterator<Item = &'a Moved> + Clone, noise_m: f64) -> Opt
     explained
         .iter()
         .for_each(|axis| take_off(axis, &mut across));
-    let rest_m2 = square(&across);
-    let places = moved.enumerate().skip(BESIDE);
+    let places = moved.clone().enumerate().skip(BESIDE);
     let places = places.take((count + 1).saturating_sub(2 * BESIDE));
-    let jumps = places.filter_map(|(at, own)| {
+    let jumps = places.filter_map(|(at, from)| {
+        // The angle between heading and motion may change there, too.
+        let bend = moved
+            .clone()
+            .map(|own| (own.along_m - from.along_m).max(0.0));
+        let bend = beside(bend.collect(), &explained);
+        let mut rest = across.clone();
+        bend.iter().for_each(|bend| take_off(bend, &mut rest));
         let mut after: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i >= at))).collect();
-        explained.iter().for_each(|axis| take_off(axis, &mut after));
+        explained
+            .iter()
+            .chain(&bend)
+            .for_each(|axis| take_off(axis, &mut after));
         let after2 = square(&after);
-        let size_m = dot(&across, &after) / after2;
+        let size_m = dot(&rest, &after) / after2;
+        let better_m2 = size_m * size_m * after2;
         (after2 > LEAST).then_some(Jump {
-            at_s: own.seen.stamp_s,
+            at_s: from.seen.stamp_s,
             size_m,
-            better_m2: size_m * size_m * after2,
+            better_m2,
+            left_m2: (square(&rest) - better_m2).max(0.0) / (count as f64 - 5.0).max(1.0),
         })
     });
     let best = jumps.max_by(|a, b| a.better_m2.total_cmp(&b.better_m2))?;
-    let left_m2 = (rest_m2 - best.better_m2).max(0.0) / (count as f64 - 4.0).max(1.0);
-    let certain_m2 = CERTAIN * CERTAIN * left_m2.max(noise_m * noise_m);
+    let certain_m2 = CERTAIN * CERTAIN * best.left_m2.max(noise_m * noise_m);
     let is_certain = best.better_m2 > certain_m2 && best.size_m.abs() > COUNTED * noise_m;
     is_certain.then_some(best)
 }
@@ -93,15 +105,18 @@ fn explained<'a>(moved: impl Iterator<Item = &'a Moved> + Clone) -> Vec<Vec<f64>
     let parts: [fn(&Moved) -> f64; 3] = [|_| 1.0, |own| own.along_m, |own| own.turned_rad];
     let mut axes: Vec<Vec<f64>> = Vec::new();
     for part in parts {
-        let mut axis: Vec<f64> = moved.clone().map(part).collect();
-        axes.iter().for_each(|known| take_off(known, &mut axis));
-        let length = square(&axis).sqrt();
-        if length * length > LEAST {
-            axis.iter_mut().for_each(|value| *value /= length);
-            axes.push(axis);
-        }
+        let axis = beside(moved.clone().map(part).collect(), &axes);
+        axes.extend(axis);
     }
     axes
+}
+
+/// The part of an axis at right angles to others, of length one, if there is one.
+fn beside(mut axis: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
+    others.iter().for_each(|known| take_off(known, &mut axis));
+    let length = square(&axis).sqrt();
+    axis.iter_mut().for_each(|value| *value /= length);
+    (length * length > LEAST).then_some(axis)
 }
 
 fn take_off(axis: &[f64], values: &mut [f64]) {
@@ -200,6 +215,24 @@ mod tests {
             let first = found.iter().find(|(_, jump)| jump.is_some());
             let time_s = first.map_or(f64::INFINITY, |(time_s, _)| *time_s);
             assert!(time_s < 5.0 + 3.5 * every_s, "{step_m} {every_s}: {time_s}");
+        }
+    }
+
+    #[test]
+    fn a_heading_that_jumps_is_no_step() {
+        for (turn_rad, noise_m) in [(0.45, 0.0), (-0.3, 2e-3)] {
+            let (mut trail, mut jumps) = (Trail::default(), Jumps::default());
+            for i in 1..500_u32 {
+                let stamp_s = 0.02 * f64::from(i);
+                let off_rad = if stamp_s > 5.0 { turn_rad } else { 0.0 };
+                let pose = Pose {
+                    x_m: 0.2 * stamp_s + noise_m * random(2 * i),
+                    y_m: noise_m * random(2 * i + 1),
+                    heading_rad: off_rad,
+                };
+                trail.add(StampedPose { stamp_s, pose });
+                assert_eq!(jumps.look(&trail, NOISE_M), None, "{turn_rad} {stamp_s}");
+            }
         }
     }
 

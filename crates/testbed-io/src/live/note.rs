@@ -49,8 +49,10 @@ pub enum Note {
     NearEdge {
         /// Which
         id: u32,
-        /// What is left of the lane, in m
-        left_m: f64,
+        /// How far from the path it may be, in m
+        most_m: f64,
+        /// How far its lane reaches, in m
+        half_width_m: f64,
     },
     /// A robot does not move as commanded
     Differs {
@@ -69,8 +71,6 @@ pub enum Note {
         off_rad: f64,
         /// How far from the path it may be, in m
         outside_m: f64,
-        /// How far its lane reaches, in m
-        half_width_m: f64,
     },
     /// A robot follows its commands later than is stated, and not too late to be driven
     Late {

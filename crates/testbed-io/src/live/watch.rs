@@ -223,42 +223,28 @@ impl Watch {
         }
         let fit = Fit::new(&own.trail, KEPT_S, &own.told, self.stated);
         own.heading.learn(fit.as_ref().and_then(Fit::course));
-        let found = own.found(&self.stated);
-        own.differing = if found.is_some() {
-            own.differing + 1
-        } else {
-            0
-        };
-        let how = found.filter(|_| own.differing >= IN_A_ROW);
+        let how = own.certain(&self.stated);
         let misplaced_m = how.map_or(0.0, |how| misplaced_m(how, &self.room));
         own.misplaced_m = own.misplaced_m.max(misplaced_m);
+        let most_m = own.deviation_m.abs() + misplaced_m;
+        let near = most_m > SURE_OF_LANE * self.half_width_m;
         let id = self.ids[robot];
-        let deviation_m = own.deviation_m.abs() + misplaced_m;
-        let near = deviation_m > SURE_OF_LANE * self.half_width_m;
-        let noise_m = NOISE_PEAKS * self.point_noise_m;
-        let outside_m = own.heading.outside_m(&self.room, own.deviation_m, noise_m);
-        if near && matches!(own.allowed, Allowed::Slow { .. }) {
+        let note = if near && matches!(own.allowed, Allowed::Slow { .. }) {
             own.allowed = Allowed::Nothing;
-            let left_m = self.half_width_m - own.deviation_m.abs();
-            self.notes.push(Note::NearEdge { id, left_m });
-        } else if let Some(how) = how
-            && let Some(then) = own.believed_less(time_s, near)
-        {
-            self.notes.push(Note::Differs { id, how, then });
-        } else if let Some(outside_m) = outside_m {
-            own.allowed = Allowed::Nothing;
-            let off_m = outside_m - own.deviation_m.abs();
-            own.misplaced_m = own.misplaced_m.max(off_m);
-            self.notes.push(Note::BesideHeading {
+            Some(Note::NearEdge {
                 id,
-                off_rad: own.heading.off_rad(),
-                outside_m,
+                most_m,
                 half_width_m: self.half_width_m,
-            });
-        } else if let Some(lag_s) = own.lag_s(&self.stated, fit.as_ref()) {
-            own.lag_told = true;
-            self.notes.push(Note::Late { id, lag_s });
-        }
+            })
+        } else {
+            how.and_then(|how| {
+                let then = own.believed_less(time_s, near)?;
+                Some(Note::Differs { id, how, then })
+            })
+        };
+        let note = note.or_else(|| own.turned_outside(&self.room, self.point_noise_m, id));
+        let note = note.or_else(|| own.late(&self.stated, fit.as_ref(), id));
+        self.notes.extend(note);
     }
 }
 
@@ -266,6 +252,32 @@ impl Own {
     fn is_seen(&self, since_s: f64) -> bool {
         let newest = self.trail.newest();
         newest.is_some_and(|newest| newest.seen.stamp_s >= since_s)
+    }
+
+    /// How it moves otherwise than told, as it did when it was looked at before.
+    fn certain(&mut self, stated: &Stated) -> Option<Differing> {
+        let found = self.found(stated);
+        self.differing = found.map_or(0, |_| self.differing + 1);
+        found.filter(|_| self.differing >= IN_A_ROW)
+    }
+
+    /// Stands where its heading, as far off as its motion shows, takes its point of interest out of the lane.
+    fn turned_outside(&mut self, room: &Room, noise_m: f64, id: u32) -> Option<Note> {
+        let noise_m = NOISE_PEAKS * noise_m;
+        let outside_m = self.heading.outside_m(room, self.deviation_m, noise_m)?;
+        self.allowed = Allowed::Nothing;
+        self.misplaced_m = self.misplaced_m.max(outside_m - self.deviation_m.abs());
+        Some(Note::BesideHeading {
+            id,
+            off_rad: self.heading.off_rad(),
+            outside_m,
+        })
+    }
+
+    fn late(&mut self, stated: &Stated, fit: Option<&Fit>, id: u32) -> Option<Note> {
+        let lag_s = self.lag_s(stated, fit)?;
+        self.lag_told = true;
+        Some(Note::Late { id, lag_s })
     }
 
     /// How it moves otherwise than told.

@@ -39,23 +39,26 @@ impl Display for Note {
                 "robot {id} is measured {:.0} mm outside its lane: it stands for good; put it back and start anew",
                 1e3 * by_m
             ),
-            Self::NearEdge { id, left_m } => write!(
+            Self::NearEdge {
+                id,
+                most_m,
+                half_width_m,
+            } => write!(
                 out,
-                "robot {id}, which did not move as told, is {:.0} mm from the edge of its lane; it stands for good",
-                1e3 * left_m
+                "robot {id}, which did not move as told, may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
+                1e3 * most_m,
+                1e3 * half_width_m
             ),
             Self::Differs { id, how, then } => write!(out, "robot {id} {how}; {then}"),
             Self::BesideHeading {
                 id,
                 off_rad,
                 outside_m,
-                half_width_m,
             } => write!(
                 out,
-                "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, and its lane reaches {:.0} mm; it stands for good",
+                "robot {id} moves {:.0}° beside its heading: it may be {:.0} mm from the path, beyond the edge of its lane; it stands for good",
                 off_rad.to_degrees(),
-                1e3 * outside_m,
-                1e3 * half_width_m
+                1e3 * outside_m
             ),
             Self::Late { id, lag_s } => write!(
                 out,
