@@ -182,7 +182,7 @@ impl EvaluateArgs {
         match context.format {
             Format::Json => output::print_json(&document)?,
             Format::Text => {
-                output::print_text(&text::render(&args.heading(&units), &trips, &findings))?
+                output::print_text(&text::render(&args.heading(&units), &trips, &findings))?;
             }
         }
         Ok(outcome)

@@ -211,7 +211,7 @@ impl Entry {
 impl<'a> Trial<'a> {
     fn new(result: &'a TrialResult, data: &'a TrajectoryData) -> Self {
         let trip = |trip: &'a TrialTrip| Trip {
-            drive: &data.motions[trip.motion].name(),
+            drive: data.motions[trip.motion].name(),
             figures: &trip.figures,
         };
         Self {

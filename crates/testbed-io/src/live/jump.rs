@@ -40,7 +40,8 @@ struct Jump {
 impl Jumps {
     /// Gives how far they lead in all, in m, if that is more than noise makes of it.
     pub(super) fn look(&mut self, trail: &Trail, noise_m: f64) -> Option<f64> {
-        if let Some(jump) = jump(trail.last(KEPT_S), noise_m) {
+        let moved: Vec<&Moved> = trail.last(KEPT_S).collect();
+        if let Some(jump) = jump(&moved, noise_m) {
             self.add(jump);
         }
         let sum_m = self.before_m + self.last.map_or(0.0, |last| last.size_m);
@@ -62,19 +63,19 @@ impl Jumps {
 }
 
 /// The jump that explains the poses best, if it was certainly there.
-fn jump<'a>(moved: impl Iterator<Item = &'a Moved> + Clone, noise_m: f64) -> Option<Jump> {
-    let count = moved.clone().count();
-    let mut across: Vec<f64> = moved.clone().map(|own| own.across_m).collect();
-    let explained = explained(moved.clone());
+fn jump(moved: &[&Moved], noise_m: f64) -> Option<Jump> {
+    let count = moved.len();
+    let mut across: Vec<f64> = moved.iter().map(|own| own.across_m).collect();
+    let explained = explained(moved);
     explained
         .iter()
         .for_each(|axis| take_off(axis, &mut across));
-    let places = moved.clone().enumerate().skip(BESIDE);
+    let places = moved.iter().enumerate().skip(BESIDE);
     let places = places.take((count + 1).saturating_sub(2 * BESIDE));
     let jumps = places.filter_map(|(at, from)| {
         // The angle between heading and motion may change there, too.
         let bend = moved
-            .clone()
+            .iter()
             .map(|own| (own.along_m - from.along_m).max(0.0));
         let bend = beside(bend.collect(), &explained);
         let mut rest = across.clone();
@@ -101,11 +102,11 @@ fn jump<'a>(moved: impl Iterator<Item = &'a Moved> + Clone, noise_m: f64) -> Opt
 }
 
 /// What moves a robot across its heading: nothing, its way along it, and its turn, at right angles to each other.
-fn explained<'a>(moved: impl Iterator<Item = &'a Moved> + Clone) -> Vec<Vec<f64>> {
+fn explained(moved: &[&Moved]) -> Vec<Vec<f64>> {
     let parts: [fn(&Moved) -> f64; 3] = [|_| 1.0, |own| own.along_m, |own| own.turned_rad];
     let mut axes: Vec<Vec<f64>> = Vec::new();
     for part in parts {
-        let axis = beside(moved.clone().map(part).collect(), &axes);
+        let axis = beside(moved.iter().map(|own| part(own)).collect(), &axes);
         axes.extend(axis);
     }
     axes
