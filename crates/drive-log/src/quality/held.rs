@@ -35,10 +35,10 @@ const DIGITS: f64 = 1.9;
 const STOPS: usize = 10;
 const SHARE: f64 = 0.1;
 
-/// Deviation of the times between updates over their mean: 0.35 where rows and updates beat or every other update is lost, 0.6
-/// with whole km/h besides. What changes slowly must be renewed like a clock.
-const IRREGULAR: f64 = 0.75;
-const IRREGULAR_SLOW: f64 = 0.25;
+/// Deviation of the times between updates over their mean: 0.38 at most where rows and updates beat or every other update is
+/// lost, 0.65 and more where a recorder repeats at random. What changes slowly must be renewed like a clock.
+const IRREGULAR: f64 = 0.5;
+const IRREGULAR_SLOW: f64 = 0.2;
 
 /// Share of the times that is looked at: the longest may be gaps.
 const TYPICAL: f64 = 0.98;
@@ -137,7 +137,12 @@ fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
         return None;
     }
     let mut times_s: Vec<f64> = moving.into_iter().map(|(time_s, _)| time_s).collect();
-    let longest_s = quantile(&mut times_s, TYPICAL)?;
+    let typical = if SLOW.contains(&channel) {
+        1.0
+    } else {
+        TYPICAL
+    };
+    let longest_s = quantile(&mut times_s, typical)?;
     times_s.retain(|time_s| *time_s <= longest_s);
     let interval_s = mean(times_s.iter().copied())?;
     let variance = mean(times_s.iter().map(|time_s| (time_s - interval_s).powi(2)))?;

@@ -11,11 +11,12 @@ const NEIGHBOURS_S: f64 = 2.0;
 const MOVING_MPS: f64 = 0.5;
 
 /// A jump on top of what the speed does before and after it, besides what a coarse sensor adds, m/s: one that a car may make,
-/// one that it does not make on its own, and what two that undo each other come to, m/s². In 70 recorded drives the largest has
-/// 3.3 m/s², the next ones 2.8.
+/// one that it does not make on its own, and what two that undo each other come to in steps of at most a second, m/s². In 70
+/// recorded drives the largest jump in such a step has 3.3 m/s², the next ones 2.8.
 const JUMP_MPS2: f64 = 1.5;
 const STRONG_MPS2: f64 = 4.0;
 const PAIR_MPS2: f64 = 5.0;
+const SECOND_S: f64 = 1.1;
 const COARSE_STEP_MPS: f64 = 0.5;
 
 /// How exactly a factor must explain a jump: within this share of the speed, times the logarithm of
@@ -40,6 +41,7 @@ struct Edge {
     /// The jump, m/s, and without what a coarse sensor adds over its time, m/s².
     jump_mps: f64,
     jump_mps2: f64,
+    step_s: f64,
     /// By how much the factor misses, over the speed and the logarithm of the factor.
     off: f64,
 }
@@ -55,12 +57,21 @@ pub(super) fn convert(checked: &mut Checked) {
         report_single(checked, *edge);
     }
     let both_mps2 = |(from, to): &Pair| from.jump_mps2 + to.jump_mps2;
+    let is_strong = |pair: &&Pair| {
+        let is_short = pair.0.step_s.max(pair.1.step_s) <= SECOND_S;
+        both_mps2(pair)
+            >= if is_short {
+                PAIR_MPS2
+            } else {
+                2.0 * STRONG_MPS2
+            }
+    };
     let mut pairs = paired(&edges);
     let strongest = pairs
         .iter()
         .max_by(|a, b| both_mps2(a).total_cmp(&both_mps2(b)));
     let Some(mistake) = strongest
-        .filter(|pair| both_mps2(pair) >= PAIR_MPS2)
+        .filter(is_strong)
         .and_then(|(from, _)| from.mistake)
     else {
         return;
@@ -157,6 +168,7 @@ fn edge(around: &[usize], time_s: &[f64], speed_mps: &[f64]) -> Option<Edge> {
         off: share,
         jump_mps,
         jump_mps2: (jump_mps - COARSE_STEP_MPS) / step_s,
+        step_s,
     })
 }
 
