@@ -16,6 +16,9 @@ use crate::recorded::{FindingKind, RecordedPose, RecordedRobot, Recording};
 
 /// Span over which speeds are measured, in s.
 const SPEED_SPAN_S: f64 = 0.2;
+/// A robot that went farther in it moved, in m; headings along which it moved less than this share of it are none in rad.
+const MOVED_M: f64 = 0.01;
+const LEAST_ALONG: f64 = 0.5;
 
 /// A scenario around recorded robots: a circular lane about the middle of the last robot's poses, wide enough for where it went.
 ///
@@ -199,13 +202,33 @@ fn doubts(scenario: &Scenario, recording: &Recording, mut sights: Sights) -> Vec
     sights.over(end_s, |_, time_s| fastest_mps * time_s);
     for (robot, recorded) in recording.robots.iter().enumerate() {
         let mut findings = recorded.findings.iter();
-        if findings.any(|finding| finding.kind == FindingKind::Degrees) {
+        let beyond_turn = findings.any(|finding| finding.kind == FindingKind::Degrees);
+        if beyond_turn && along_heading(recorded).is_none_or(|share| share < LEAST_ALONG) {
             sights.doubt(Doubt::Headings(robot));
         }
     }
     let names: Vec<&str> = recording.robots.iter().map(|r| r.name.as_str()).collect();
     let texts = sights.doubts().iter().map(|doubt| doubt.text(&names));
     texts.collect()
+}
+
+/// How much a robot moved along its heading, forward or backward: 1 for always, 0 for any direction; none of one that stood. Headings in
+/// rad may go beyond a turn.
+fn along_heading(robot: &RecordedRobot) -> Option<f64> {
+    let mut from = robot.poses.first()?;
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for to in &robot.poses {
+        if to.time_s - from.time_s < SPEED_SPAN_S {
+            continue;
+        }
+        let (dx, dy) = (to.x_m - from.x_m, to.y_m - from.y_m);
+        if dx.hypot(dy) >= MOVED_M {
+            sum += (2.0 * (dy.atan2(dx) - 0.5 * (from.heading_rad + to.heading_rad))).cos();
+            count += 1;
+        }
+        from = to;
+    }
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// One robot's recording, read forward.

@@ -95,10 +95,12 @@ fn jump(moved: &[&Moved], noise_m: f64) -> Option<Jump> {
             left_m2: (square(&rest) - better_m2).max(0.0) / (count as f64 - 5.0).max(1.0),
         })
     });
+    // At the end there may be a larger one a little later.
+    let newest_s = moved.clone().nth(count.checked_sub(BESIDE)?)?.seen.stamp_s;
     let best = jumps.max_by(|a, b| a.better_m2.total_cmp(&b.better_m2))?;
     let certain_m2 = CERTAIN * CERTAIN * best.left_m2.max(noise_m * noise_m);
     let is_certain = best.better_m2 > certain_m2 && best.size_m.abs() > COUNTED * noise_m;
-    is_certain.then_some(best)
+    (is_certain && best.at_s < newest_s).then_some(best)
 }
 
 /// What moves a robot across its heading: nothing, its way along it, and its turn, at right angles to each other.
