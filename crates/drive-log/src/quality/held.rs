@@ -35,7 +35,7 @@ const DIGITS: f64 = 1.9;
 /// have 0.12.
 const STOPS: usize = 10;
 const SHARE_OF_SPEED: f64 = 0.1;
-const SHARE: f64 = 0.3;
+const SHARE: f64 = 0.5;
 
 /// Deviation of the times between updates over their mean: 0.38 at most where rows and updates beat or every other update is
 /// lost, 0.65 and more where a recorder repeats at random. What changes slowly must be renewed like a clock.
