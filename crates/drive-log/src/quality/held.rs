@@ -31,9 +31,11 @@ const SLOW: [Channel; 5] = [
 const DIGITS: f64 = 1.9;
 
 /// Such stops in the middle of a motion, and their share of all samples in one: 0.07 at most in recorded drives at 0.5 to
-/// 10 Hz with 0.01 to 1 km/h, 0.11 where ten rows have nine updates.
+/// 10 Hz with 0.01 to 1 km/h, 0.11 where ten rows have nine updates. Volts, amps and accelerations that are as noisy as coarse
+/// have 0.12.
 const STOPS: usize = 10;
-const SHARE: f64 = 0.1;
+const SHARE_OF_SPEED: f64 = 0.1;
+const SHARE: f64 = 0.5;
 
 /// Deviation of the times between updates over their mean: 0.38 at most where rows and updates beat or every other update is
 /// lost, 0.65 and more where a recorder repeats at random. What changes slowly must be renewed like a clock.
@@ -133,7 +135,11 @@ fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
     let values = checked.values(channel)?;
     let moving = in_motion(checked.log.time_s(), values);
     let stops = moving.iter().filter(|(_, rows)| *rows > 1).count();
-    if stops < STOPS || (stops as f64) < SHARE * moving.len() as f64 {
+    let share = match channel {
+        Channel::Speed | Channel::LeadSpeed => SHARE_OF_SPEED,
+        _ => SHARE,
+    };
+    if stops < STOPS || (stops as f64) < share * moving.len() as f64 {
         return None;
     }
     let mut times_s: Vec<f64> = moving.into_iter().map(|(time_s, _)| time_s).collect();

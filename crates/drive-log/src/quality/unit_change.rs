@@ -24,10 +24,10 @@ const COARSE_STEP_MPS: f64 = 0.5;
 const EXPLAINED: f64 = 0.1;
 const EXPLAINED_MPS2: f64 = 0.75;
 const EXPLAINED_PART: f64 = 1.0 / 3.0;
-const EXPLAINED_ALONE: f64 = 0.03;
+const EXPLAINED_ALONE: f64 = 0.06;
 
-/// Share of the jumps as large that one factor must explain: satellite receivers jump by any.
-const SHARE: f64 = 0.8;
+/// Share of all jumps as large that one factor must explain, summed: satellite receivers jump by any.
+const SHARE: f64 = 0.7;
 
 /// Once it is converted, a stretch holds no greater change of the speed, m/s².
 const HARDEST_MPS2: f64 = 8.0;
@@ -83,8 +83,9 @@ pub(super) fn convert(checked: &mut Checked) {
     let weakest_mps2 = pairs.iter().fold(f64::INFINITY, |weakest, (from, to)| {
         weakest.min(from.jump_mps2).min(to.jump_mps2)
     });
-    let as_large = edges.iter().filter(|e| e.jump_mps2 >= weakest_mps2).count();
-    if (2 * pairs.len()) as f64 >= SHARE * as_large as f64 {
+    let as_large = edges.iter().filter(|e| e.jump_mps2 >= weakest_mps2);
+    let all_mps2: f64 = as_large.map(|edge| edge.jump_mps2).sum();
+    if !pairs.is_empty() && pairs.iter().map(both_mps2).sum::<f64>() >= SHARE * all_mps2 {
         let stretches = || pairs.iter().map(|(from, to)| from.at..to.at);
         let inside: usize = stretches().map(|range| range.len()).sum();
         let is_minor = 2 * inside < checked.log.len();
