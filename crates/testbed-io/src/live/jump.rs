@@ -96,7 +96,7 @@ fn jump(moved: &[&Moved], noise_m: f64) -> Option<Jump> {
         })
     });
     // At the end there may be a larger one a little later.
-    let newest_s = moved.clone().nth(count.checked_sub(BESIDE)?)?.seen.stamp_s;
+    let newest_s = moved.get(count.checked_sub(BESIDE)?)?.seen.stamp_s;
     let best = jumps.max_by(|a, b| a.better_m2.total_cmp(&b.better_m2))?;
     let certain_m2 = CERTAIN * CERTAIN * best.left_m2.max(noise_m * noise_m);
     let is_certain = best.better_m2 > certain_m2 && best.size_m.abs() > COUNTED * noise_m;
