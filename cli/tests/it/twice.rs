@@ -234,6 +234,24 @@ fn a_driver_is_a_folder_at_a_stated_level() {
 }
 
 #[test]
+fn a_driver_is_a_column_whatever_its_header() {
+    let folder = TempDir::new().unwrap();
+    for (number, driver) in [(1, "Anna"), (2, "Ben"), (3, "Anna")] {
+        let text = fs::read_to_string(fixture(&format!("drives/drive-{number:02}.csv"))).unwrap();
+        let mut rows = text.lines();
+        let header = format!("{},Driver Name\n", rows.next().unwrap());
+        let rows: String = rows.map(|row| format!("{row},{driver}\n")).collect();
+        let path = folder.path().join(format!("{number}.csv"));
+        fs::write(path, header + &rows).unwrap();
+    }
+    let args = [".", "--hold-out", "driver", "--driver-column"];
+    let by = |column: &str| evaluate(folder.path(), &[&args[..], &[column]].concat());
+    let document = by("driver name").ok().json();
+    assert_eq!(held_out(&document), [("Anna", 2), ("Ben", 1)]);
+    by("time_s").refused(&["no column `time_s`"]);
+}
+
+#[test]
 fn drives_of_one_name_are_drives_of_their_own() {
     let folder = drives(3);
     let document = evaluate(folder.path(), &["."]).ok().json();
