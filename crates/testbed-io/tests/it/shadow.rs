@@ -24,7 +24,7 @@ fn round(every_s: f64, radians: f64, second_from_s: f64) -> Shadow {
             if robot == "b" && time_s < second_from_s {
                 continue;
             }
-            let angle = 0.1 * time_s + ahead;
+            let angle = 0.2 * time_s + ahead;
             let heading = radians * (angle + std::f64::consts::FRAC_PI_2);
             let (sin, cos) = angle.sin_cos();
             text += &format!("{time_s},{robot},{cos},{sin},{heading}\n");
@@ -44,7 +44,7 @@ fn robots_of_which_little_was_recorded_are_not_called_safe() {
         (0.05, 1.0, 0.0, None),
         (0.2, 1.0, 0.0, None),
         (5.0, 1.0, 0.0, Some("robot a was seen too seldom")),
-        (0.05, 1.0, 30.0, Some("robot b was seen too seldom")),
+        (0.05, 1.0, 28.6, Some("robot b was seen too seldom")),
         (
             0.05,
             57.3,
