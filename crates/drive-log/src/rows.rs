@@ -148,6 +148,10 @@ impl<R: BufRead> RowReader<R> {
             value => Ok(value),
         };
         let (time_s, speed_mps) = (required(self.time)?, required(self.speed)?);
+        let in_range = |channel, column, value| {
+            possible(channel, value).map_err(|what| format!("{}: {what}", place(column)))
+        };
+        in_range(Channel::Speed, self.speed, speed_mps)?;
         if let Some(jump) = self
             .regular
             .newest()
@@ -155,10 +159,6 @@ impl<R: BufRead> RowReader<R> {
         {
             return Err(format!("{}: {jump}", place(self.speed)));
         }
-        let in_range = |channel, column, value| {
-            possible(channel, value).map_err(|what| format!("{}: {what}", place(column)))
-        };
-        in_range(Channel::Speed, self.speed, speed_mps)?;
         let gap = self.lead_gap.map(|column| {
             value(column).and_then(|gap_m| in_range(Channel::LeadGap, column, gap_m))
         });

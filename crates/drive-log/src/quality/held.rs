@@ -35,7 +35,11 @@ const DIGITS: f64 = 1.9;
 /// have 0.12.
 const STOPS: usize = 10;
 const SHARE_OF_SPEED: f64 = 0.1;
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.6;
+
+/// Where so few of all values are in such a motion, the digits are as coarse as the motion, and noise stands still too: up to half
+/// of 18 values, 0.15 of 60.
+const RARE: f64 = 0.06;
 
 /// Deviation of the times between updates over their mean: 0.38 at most where rows and updates beat or every other update is
 /// lost, 0.65 and more where a recorder repeats at random. What changes slowly must be renewed like a clock.
@@ -133,11 +137,13 @@ fn stretches(values: &[f64]) -> Vec<Range<usize>> {
 /// How a channel is renewed; `None` where rows are not faster than the channel.
 fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
     let values = checked.values(channel)?;
-    let moving = in_motion(checked.log.time_s(), values);
+    let (moving, all) = in_motion(checked.log.time_s(), values);
     let stops = moving.iter().filter(|(_, rows)| *rows > 1).count();
-    let share = match channel {
-        Channel::Speed | Channel::LeadSpeed => SHARE_OF_SPEED,
-        _ => SHARE,
+    let is_fine = moving.len() as f64 >= RARE * all as f64;
+    let share = if channel == Channel::Speed && is_fine {
+        SHARE_OF_SPEED
+    } else {
+        SHARE
     };
     if stops < STOPS || (stops as f64) < share * moving.len() as f64 {
         return None;
@@ -159,8 +165,8 @@ fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
     })
 }
 
-/// How long each value in the middle of a motion stays, s and rows.
-fn in_motion(time_s: &[f64], values: &[f64]) -> Vec<(f64, usize)> {
+/// How long each value in the middle of a motion stays, s and rows, and how many values there are in all.
+fn in_motion(time_s: &[f64], values: &[f64]) -> (Vec<(f64, usize)>, usize) {
     let runs: Vec<Range<usize>> = constant_runs(values).collect();
     let change = |pair: &[Range<usize>]| {
         let change = values[pair[1].start] - values[pair[0].start];
@@ -169,7 +175,7 @@ fn in_motion(time_s: &[f64], values: &[f64]) -> Vec<(f64, usize)> {
     let changes: Vec<Option<f64>> = runs.windows(2).map(change).collect();
     let mut sizes: Vec<f64> = changes.iter().flatten().map(|c| c.abs()).collect();
     let Some(digit) = quantile(&mut sizes, 0.05) else {
-        return Vec::new();
+        return (Vec::new(), 0);
     };
     let moves = |(before, after): (f64, f64)| {
         before * after > 0.0 && before.abs().min(after.abs()) >= DIGITS * digit
@@ -179,5 +185,5 @@ fn in_motion(time_s: &[f64], values: &[f64]) -> Vec<(f64, usize)> {
         let stays_s = time_s[runs[i].end] - time_s[runs[i].start];
         moves(changes).then_some((stays_s, runs[i].len()))
     };
-    (1..changes.len()).filter_map(stays).collect()
+    ((1..changes.len()).filter_map(stays).collect(), runs.len())
 }
