@@ -1,19 +1,25 @@
-//! Names of models on the command line.
+//! Values of flags by the names that a library gives them.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::error::Error;
+use std::str::FromStr;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use drive_sim::SimulatedDriver;
 use driver_model::{ModelKind, Subject};
+use strum::{EnumMessage, VariantArray};
+
+/// One of the names of an enum; what its variants' documentation says is the help.
+pub(crate) fn named<T>() -> impl TypedValueParser<Value = T>
+where
+    T: Copy + EnumMessage + FromStr + Into<&'static str> + Send + Sync + VariantArray + 'static,
+    T::Err: Error + Send + Sync,
+{
+    one_of(T::VARIANTS.iter().copied())
+}
 
 /// Whatever can be fitted.
 pub(crate) fn fitted_model() -> impl TypedValueParser<Value = ModelKind> {
-    let subjects = [
-        Subject::Phases,
-        Subject::Cruise,
-        Subject::Following,
-        Subject::SpeedAhead,
-        Subject::Trips,
-    ];
-    let all = subjects.into_iter().flat_map(ModelKind::of);
+    let all = ModelKind::VARIANTS.iter().copied();
     one_of(all.filter(|kind| kind.subject() != Subject::SpeedAhead || kind.is_fitted()))
 }
 
@@ -27,6 +33,14 @@ pub(crate) fn simulated_model() -> impl TypedValueParser<Value = ModelKind> {
     one_of(SimulatedDriver::KINDS.into_iter())
 }
 
-fn one_of(kinds: impl Iterator<Item = ModelKind>) -> impl TypedValueParser<Value = ModelKind> {
-    PossibleValuesParser::new(kinds.map(ModelKind::name)).try_map(|name| name.parse::<ModelKind>())
+fn one_of<T>(variants: impl Iterator<Item = T>) -> impl TypedValueParser<Value = T>
+where
+    T: Copy + EnumMessage + FromStr + Into<&'static str> + Send + Sync + 'static,
+    T::Err: Error + Send + Sync,
+{
+    let value = |variant: T| {
+        let help = variant.get_documentation().unwrap_or_default();
+        PossibleValue::new(variant.into()).help(help)
+    };
+    PossibleValuesParser::new(variants.map(value)).try_map(|name| T::from_str(&name))
 }

@@ -1,11 +1,10 @@
 //! Flags that say which phases count, shared by `fit`, `predict` and `evaluate`.
 
-use anyhow::Context as _;
 use clap::Args;
-use driver_model::{Motion, PhaseSettings, Trip};
-use rayon::prelude::*;
+use driver_model::{PhaseSettings, Trip, find_trips};
 use serde::Serialize;
 
+use super::motions::motions;
 use crate::flags::Context;
 use crate::inputs::Input;
 use crate::numbers;
@@ -41,18 +40,9 @@ impl PhaseArgs {
 
     /// Finds the phases of every drive, in parallel.
     pub(crate) fn trips(&self, inputs: &[Input], context: &Context) -> anyhow::Result<Vec<Trip>> {
-        let settings = self.settings();
+        let motions = motions(inputs, self.slope_bandwidth)?;
         let progress = Progress::new(context, "segmenting", inputs.len());
-        inputs
-            .par_iter()
-            .map(|input| {
-                let trip = Motion::of_drive(&input.drive, self.slope_bandwidth)
-                    .and_then(|motions| Trip::of_drive(&motions, &settings))
-                    .with_context(|| input.label())?;
-                progress.step();
-                Ok(trip)
-            })
-            .collect()
+        Ok(find_trips(&motions, &self.settings(), &|| progress.step())?)
     }
 }
 

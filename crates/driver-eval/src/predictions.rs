@@ -7,12 +7,11 @@ use driver_model::speed_ahead::{DirectModel, HorizonScore};
 use driver_model::trip_driver::{FreeRun, TripDriver};
 use driver_model::{
     DriverModel, Error as ModelError, LeftOut, Motion, Phase, PhaseCurve, PhaseKind, PhaseModel,
-    PhaseSettings, Trip, find_trips,
+    PhaseSettings, Trip, find_trips, without,
 };
 use serde::Serialize;
 
 use crate::Error;
-use crate::behaviour::without;
 use crate::phase::PhasePrediction;
 
 /// Distance of two moments of which the speed ahead is predicted.

@@ -210,7 +210,7 @@ fn fit_trip_driver(motions: &[Motion]) -> Result<Fitted, Error> {
 }
 
 /// The drives of which nothing counts, with the reason.
-fn without(trips: &[Trip], counts: impl Fn(&Trip) -> bool, reason: &str) -> Vec<LeftOut> {
+pub fn without(trips: &[Trip], counts: impl Fn(&Trip) -> bool, reason: &str) -> Vec<LeftOut> {
     let empty = trips.iter().filter(|trip| !counts(trip));
     empty.map(|trip| LeftOut::new(&trip.name, reason)).collect()
 }

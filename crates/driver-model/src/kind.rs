@@ -1,5 +1,5 @@
 use serde::{Deserialize, Serialize};
-use strum::{Display, EnumString, IntoStaticStr, VariantArray};
+use strum::{Display, EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
 use crate::Error;
 
@@ -16,6 +16,7 @@ use crate::Error;
     Serialize,
     Deserialize,
     Display,
+    EnumMessage,
     EnumString,
     IntoStaticStr,
     VariantArray,

@@ -81,7 +81,7 @@ pub mod trip_driver;
 
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
-pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_trips, fit, fit_with};
+pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_trips, fit, fit_with, without};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use kind::{ModelKind, Subject};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};

@@ -2,11 +2,11 @@ use std::path::PathBuf;
 
 use super::beyond;
 use super::check;
-use super::names::named;
 use super::scenarios::{Wanted, is_path, shell_word};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
+use crate::names::named;
 use crate::numbers;
 use crate::output;
 use crate::progress::Progress;

@@ -18,8 +18,8 @@ use testbed_sim::Summary;
 use unicycle_cbf::Scenario;
 
 use super::check::missing_guards;
-use super::names::named;
 use crate::flags::Context;
+use crate::names::named;
 use crate::output;
 use crate::render::table::number;
 use crate::temporary;

@@ -5,7 +5,6 @@ mod campaign;
 mod check;
 mod explain;
 mod live;
-mod names;
 mod replay;
 mod run;
 mod run_text;

@@ -9,12 +9,12 @@ use testbed_sim::summary::outcomes_of;
 use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, Testbed};
 
-use super::names::named;
 use super::run::clear_times;
 use super::run_text::{verdict, why_not_known};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
+use crate::names::named;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::names::named;
 use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 use testbed_io::{PathFile, RunFile};
 use testbed_sim::Disturbances;
 use unicycle_cbf::{PathSpec, Preset, ScenarioSpec, Testbed};
-
-use super::names::named;
 
 /// A built-in scenario or a file.
 #[derive(Debug, Args, Serialize)]

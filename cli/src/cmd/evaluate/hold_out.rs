@@ -1,6 +1,7 @@
 //! Flags that say what is held out at a time.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 
 use anyhow::ensure;
@@ -12,12 +13,13 @@ use serde::Serialize;
 
 use crate::flags::Context;
 use crate::inputs::Input;
+use crate::names::named;
 use crate::output;
 
 #[derive(Debug, Clone, Args, Serialize)]
 pub(super) struct HoldOutArgs {
     /// What is held out at a time
-    #[arg(long, value_enum, default_value_t = UnitKind::Trip, value_name = "UNIT")]
+    #[arg(long, value_parser = named::<UnitKind>(), default_value = UnitKind::Trip.name(), value_name = "UNIT")]
     hold_out: UnitKind,
     /// Folder that is a driver, counted from the file up: 1 is the folder of the file [default: the topmost in which the logs
     /// differ]
@@ -48,7 +50,10 @@ impl HoldOutArgs {
             !says_driver || self.hold_out == UnitKind::Driver,
             "--driver-level and --driver-column say what a driver is; give --hold-out driver with them"
         );
-        let origins = inputs.iter().map(|input| self.origin(input, layout));
+        let mut files = BTreeMap::new();
+        let origins = inputs
+            .iter()
+            .map(|input| self.origin(input, layout, &mut files));
         let origins: Vec<BTreeMap<String, String>> = origins.collect::<anyhow::Result<_>>()?;
         let places: Vec<String> = inputs.iter().map(Input::place).collect();
         let sources = inputs
@@ -73,11 +78,12 @@ impl HoldOutArgs {
         }
     }
 
-    /// What the file says of the drive, with the column that names the driver whatever it is called.
-    fn origin(
+    /// What the file says of the drive, with the column that names the driver whatever it is called; each of the `files` is read once.
+    fn origin<'a>(
         &self,
-        input: &Input,
+        input: &'a Input,
         layout: &LayoutChoice,
+        files: &mut BTreeMap<&'a str, BTreeMap<String, String>>,
     ) -> anyhow::Result<BTreeMap<String, String>> {
         let mut origin = input.drive.origin.clone();
         let path = Path::new(&input.path);
@@ -88,9 +94,14 @@ impl HoldOutArgs {
             .keys()
             .any(|header| header.eq_ignore_ascii_case(column))
         {
-            let mut drivers = drive_log::constants_of_column(path, layout, column)?;
-            let driver = drivers.remove(&input.drive.name);
-            origin.extend(driver.map(|driver| (column.clone(), driver)));
+            let drivers = match files.entry(&input.path) {
+                Entry::Occupied(read) => read.into_mut(),
+                Entry::Vacant(file) => {
+                    file.insert(drive_log::constants_of_column(path, layout, column)?)
+                }
+            };
+            let driver = drivers.get(&input.drive.name);
+            origin.extend(driver.map(|driver| (column.clone(), driver.clone())));
         }
         Ok(origin)
     }

@@ -4,12 +4,6 @@ use driver_model::{LeftOut, Trip};
 
 use crate::words::plural;
 
-/// The drives of which nothing counts, with the reason.
-pub fn without(trips: &[Trip], counts: impl Fn(&Trip) -> bool, reason: &str) -> Vec<LeftOut> {
-    let empty = trips.iter().filter(|trip| !counts(trip));
-    empty.map(|trip| LeftOut::new(&trip.name, reason)).collect()
-}
-
 /// Drives without a phase or stretch that counts.
 pub(super) fn without_anything(trips: &[Trip]) -> Vec<LeftOut> {
     let empty = |trip: &&Trip| {

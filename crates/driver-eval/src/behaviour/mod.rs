@@ -19,7 +19,7 @@ use crate::following::{FollowingEvaluation, evaluate_following};
 use crate::phase::{
     Evaluation, EvaluationData, EvaluationSettings, LearningPoint, learning_curve, leave_one_out,
 };
-pub use contents::{contents, contents_of, without};
+pub use contents::{contents, contents_of};
 pub use document::{BehaviourDocument, with_curves};
 use missing::Missing;
 

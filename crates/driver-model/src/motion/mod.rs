@@ -11,15 +11,15 @@ use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 use crate::Error;
 pub use slope::SlopeSource;
 
-/// A drive without a break: its log, and what models ask of it besides. A clone shares the log.
+/// A drive without a break: its log, and what models ask of it besides. A clone shares all of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     drive: Arc<str>,
     log: DriveLog,
-    distance_m: Vec<f64>,
-    limit_mps: Option<Vec<f64>>,
+    distance_m: Arc<[f64]>,
+    limit_mps: Option<Arc<[f64]>>,
     slope_source: SlopeSource,
-    slope_rad: Option<Vec<f64>>,
+    slope_rad: Option<Arc<[f64]>>,
 }
 
 impl Motion {
@@ -75,10 +75,10 @@ impl Motion {
             slope::of_log(log, slope_bandwidth_m).map_err(|error| error.in_log(log.name()))?;
         Ok(Self {
             drive,
-            distance_m: log.distance_m(),
+            distance_m: log.distance_m().into(),
             limit_mps: log.channel(Channel::SpeedLimit).and_then(held),
             slope_source,
-            slope_rad,
+            slope_rad: slope_rad.map(Arc::from),
             log: log.clone(),
         })
     }
@@ -196,7 +196,7 @@ pub(crate) fn name(drive: &[Motion]) -> &str {
 }
 
 /// The values with gaps filled by what came before, or by the first value at the start. `None` without any value.
-fn held(values: &[f64]) -> Option<Vec<f64>> {
+fn held(values: &[f64]) -> Option<Arc<[f64]>> {
     let mut last = *values.iter().find(|value| value.is_finite())?;
     let hold = values.iter().map(|&value| {
         if value.is_finite() {

@@ -239,11 +239,9 @@ pub(super) fn wrapped(angle_rad: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    const BOUNDS: Bounds = Bounds {
+impl Bounds {
+    /// Of an ordinary robot on a long floor.
+    pub(super) const ORDINARY: Self = Self {
         arena: Arena {
             x_m: [-2.0, 30.0],
             y_m: [-2.0, 2.0],
@@ -254,6 +252,14 @@ mod tests {
         wheel_error: 0.1,
         spacing_m: 0.1,
     };
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Bounds = Bounds::ORDINARY;
 
     fn seen(stamp_s: f64, x_m: f64) -> StampedPose {
         let pose = Pose {

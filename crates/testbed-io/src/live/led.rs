@@ -99,19 +99,9 @@ mod tests {
     use unicycle_cbf::Speeds;
 
     use super::*;
-    use crate::live::gate::{Arena, Gate};
+    use crate::live::gate::Gate;
 
-    const BOUNDS: Bounds = Bounds {
-        arena: Arena {
-            x_m: [-2.0, 30.0],
-            y_m: [-2.0, 2.0],
-        },
-        speed_mps: 0.3,
-        turn_rate_rad_s: 3.0,
-        wheel_base_m: 0.1,
-        wheel_error: 0.1,
-        spacing_m: 0.1,
-    };
+    const BOUNDS: Bounds = Bounds::ORDINARY;
 
     const FORWARD: Speeds = Speeds {
         speed_mps: 0.2,

@@ -159,11 +159,7 @@ mod tests {
             x_m: [-2.0, 2.0],
             y_m: [-2.0, 2.0],
         },
-        speed_mps: 0.3,
-        turn_rate_rad_s: 3.0,
-        wheel_base_m: 0.1,
-        wheel_error: 0.1,
-        spacing_m: 0.1,
+        ..Bounds::ORDINARY
     };
 
     fn seen(x_m: f64, stamp_s: Option<f64>) -> Seen {
