@@ -107,6 +107,11 @@ impl Controller {
     /// The same of two places along the path, in m.
     #[must_use]
     pub fn follows_along(&self, s_m: f64, ahead_m: f64) -> bool {
+        self.is_followed(self.path().distance_along_m(s_m, ahead_m))
+    }
+
+    /// Whether a robot that is so far ahead along the path is followed.
+    fn is_followed(&self, distance_m: f64) -> bool {
         if !self.settings.hardening.regards_every_robot() {
             return true;
         }
@@ -114,13 +119,13 @@ impl Controller {
             .path()
             .length_m()
             .map_or(f64::INFINITY, |lap_m| 0.5 * lap_m);
-        (0.0..most_m).contains(&self.path().distance_along_m(s_m, ahead_m))
+        (0.0..most_m).contains(&distance_m)
     }
 
     /// How far another robot is ahead along the path, in m, if it is: on a loop by less than half a lap.
     pub(crate) fn ahead_m(&self, own: &Located, other: &Located) -> Option<f64> {
         let ahead_m = self.path().distance_along_m(own.near_m?, other.near_m?);
-        (ahead_m > 0.0 && self.follows_along(own.near_m?, other.near_m?)).then_some(ahead_m)
+        (ahead_m > 0.0 && self.is_followed(ahead_m)).then_some(ahead_m)
     }
 
     /// Whom of some others a robot follows: of those ahead along the path, on a loop by less than half a lap, the next, or one beside that

@@ -198,6 +198,10 @@ fn wrapped(value: f64, period: f64) -> f64 {
     if (0.0..period).contains(&value) {
         return value;
     }
+    let once = value + period;
+    if value < 0.0 && (0.0..period).contains(&once) {
+        return once;
+    }
     let rest = value.rem_euclid(period);
     if rest >= period { 0.0 } else { rest }
 }
