@@ -61,3 +61,20 @@ figures:
 [group('work')]
 rivals:
     cd crates/ev-energy/rivals && cargo bench
+
+# Pack an archive to give away: the programs, completions for shells, manual pages, licences; it lands in target/archive.
+[group('work')]
+archive:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -p drivekit
+    program=target/release/drivekit
+    name="drivekit-$("$program" --version | cut -d' ' -f2)-$(rustc -vV | sed -n 's/^host: //p')"
+    folder="target/archive/$name"
+    rm -rf "$folder"
+    mkdir -p "$folder/completions"
+    cp "$program" target/release/ctrl README.md LICENSE* "$folder"
+    for shell in bash zsh fish elvish powershell; do "$program" completions "$shell" > "$folder/completions/drivekit.$shell"; done
+    "$program" man -o "$folder/man/man1"
+    tar -C target/archive -czf "$folder.tar.gz" "$name"
+    echo "$folder.tar.gz"

@@ -55,12 +55,32 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
         let _ = usage.print();
         return ExitCode::from(u8::try_from(usage.exit_code()).unwrap_or(2));
     }
-    let _ = writeln!(
-        anstream::stderr().lock(),
-        "\u{1b}[1;31merror:\u{1b}[0m {}",
-        told(error)
-    );
+    let mut stderr = anstream::stderr().lock();
+    let _ = writeln!(stderr, "\u{1b}[1;31merror:\u{1b}[0m {}", told(error));
+    if let Some(help) = help(error) {
+        let _ = writeln!(stderr, "\u{1b}[1mhelp:\u{1b}[0m {help}");
+    }
     ExitCode::from(2)
+}
+
+/// The flags that belong to what a library reports.
+fn help(error: &anyhow::Error) -> Option<String> {
+    use driver_model::Error::{ScaleOfStream, Steps, TooFewPhases};
+    let of_model = |error: &driver_model::Error| match error {
+        TooFewPhases { .. } => Some("see --min-duration and --min-gain".to_owned()),
+        ScaleOfStream => Some("such as --scale 10,0.5, or --scale none".to_owned()),
+        Steps { expected_s, .. } => Some(format!("--step {expected_s} does that")),
+        _ => None,
+    };
+    error.chain().find_map(|cause| {
+        if let Some(drive_log::Error::Refused { .. }) = cause.downcast_ref() {
+            return Some("--raw takes a uniform log as it is".to_owned());
+        }
+        match cause.downcast_ref() {
+            Some(driver_eval::Error::Model(error)) => of_model(error),
+            _ => cause.downcast_ref().and_then(of_model),
+        }
+    })
 }
 
 /// An error with its causes, each said once: some messages tell their cause themselves.

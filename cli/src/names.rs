@@ -6,9 +6,10 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use drive_sim::SimulatedDriver;
 use driver_model::{ModelKind, Subject};
+use serde::Serializer;
 use strum::{EnumMessage, VariantArray};
 
-/// One of the names of an enum; what its variants' documentation says is the help.
+/// One of the names of an enum; its messages are the help, or else its documentation.
 pub(crate) fn named<T>() -> impl TypedValueParser<Value = T>
 where
     T: Copy + EnumMessage + FromStr + Into<&'static str> + Send + Sync + VariantArray + 'static,
@@ -39,8 +40,32 @@ where
     T::Err: Error + Send + Sync,
 {
     let value = |variant: T| {
-        let help = variant.get_documentation().unwrap_or_default();
+        let help = variant
+            .get_message()
+            .or(variant.get_documentation())
+            .unwrap_or_default();
         PossibleValue::new(variant.into()).help(help)
     };
     PossibleValuesParser::new(variants.map(value)).try_map(|name| T::from_str(&name))
+}
+
+/// The name of a variant in a document.
+pub(crate) fn name<T, S>(variant: &T, serializer: S) -> Result<S::Ok, S::Error>
+where
+    T: Copy + Into<&'static str>,
+    S: Serializer,
+{
+    serializer.serialize_str((*variant).into())
+}
+
+/// The same of one that may be missing.
+pub(crate) fn optional_name<T, S>(variant: &Option<T>, serializer: S) -> Result<S::Ok, S::Error>
+where
+    T: Copy + Into<&'static str>,
+    S: Serializer,
+{
+    match variant {
+        Some(variant) => name(variant, serializer),
+        None => serializer.serialize_none(),
+    }
 }

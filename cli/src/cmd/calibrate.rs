@@ -17,7 +17,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 use crate::words::plural;
 
 /// Fit a vehicle to measured battery power, and say how far to trust it
@@ -56,7 +56,7 @@ pub(crate) struct CalibrateArgs {
 
 pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
-        .check(&Figures::new(include_str!("../figures/calibrate.txt")))?;
+        .check(&KnownFigures::new(include_str!("../figures/calibrate.txt")))?;
     let start = vehicle(&args.vehicle)?;
     let inputs = inputs::load_once(&args.logs, context)?;
     let motions = motions(&inputs, args.slope_bandwidth)?;

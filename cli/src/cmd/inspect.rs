@@ -11,7 +11,7 @@ use crate::inputs::{self, Input};
 use crate::output;
 use crate::render::json::{Document, Logs};
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 use crate::words::plural;
 
 /// What is in a log, and what is wrong with it
@@ -34,7 +34,7 @@ pub(crate) struct InspectArgs {
 
 pub(crate) fn run(args: &InspectArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
-        .check(&Figures::new(include_str!("../figures/inspect.txt")))?;
+        .check(&KnownFigures::new(include_str!("../figures/inspect.txt")))?;
     let inputs = inputs::load_quietly(&args.logs, context)?;
     let logs = inputs.iter().map(|i| Entry::new(&i.drive)).collect();
     let mut document = Document::new("inspect", args, &inputs, Logs { logs });

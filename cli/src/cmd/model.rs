@@ -7,10 +7,11 @@ use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use driver_model::cruise::CruiseModel;
 use driver_model::following::FollowingModel;
-use driver_model::phase_model::{StepResponse, TransitionPoint};
+use driver_model::phase_model::{PredictiveBand, StepResponse, TransitionPoint};
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
 use driver_model::{DriverModel, ModelFile, Phase, PhaseModel};
+use report::picture::{self, SpeedCurve};
 use serde::Serialize;
 
 use crate::exit::Outcome;
@@ -18,7 +19,6 @@ use crate::flags::{Context, Format};
 use crate::output;
 use crate::render::chart;
 use crate::render::json::Document;
-use crate::render::model_svg::{self, Example};
 use crate::render::table::{Table, number};
 use crate::words::plural;
 
@@ -58,7 +58,8 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
         if examples.is_empty() {
             bail!("--plot draws models of acceleration and braking phases");
         }
-        let picture = model_svg::draw(&title(&file), &examples)?;
+        let curves: Vec<SpeedCurve> = examples.iter().map(Example::curve).collect();
+        let picture = picture::speeds_with_bands(&title(&file), &curves)?;
         output::write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
     }
     match context.format {
@@ -85,6 +86,35 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<ModelFile> {
 struct Body<'a> {
     file: &'a ModelFile,
     examples: &'a [Example],
+}
+
+/// A phase that the model predicts.
+#[derive(Debug, Serialize)]
+struct Example {
+    #[serde(flatten)]
+    outline: Phase,
+    speed_mps: Vec<f64>,
+    /// Half-width of the 90 % band, where the model has one.
+    half_width_mps: Option<Vec<f64>>,
+}
+
+impl Example {
+    fn new(model: &PhaseModel, outline: Phase) -> Self {
+        let bands = model.bands(&outline);
+        Self {
+            speed_mps: model.predict(&outline),
+            half_width_mps: PredictiveBand::of_90_pct(&bands).map(|b| b.half_width_mps.clone()),
+            outline,
+        }
+    }
+
+    fn curve(&self) -> SpeedCurve<'_> {
+        SpeedCurve {
+            step_s: self.outline.step_s,
+            speed_mps: &self.speed_mps,
+            half_width_mps: self.half_width_mps.as_deref(),
+        }
+    }
 }
 
 /// Town, country road and motorway.

@@ -1,7 +1,7 @@
 //! Flags that say which phases count, shared by `fit`, `predict` and `evaluate`.
 
 use clap::Args;
-use driver_model::{PhaseSettings, Trip, find_trips};
+use driver_model::{DriveBehaviour, PhaseSettings, find_behaviour};
 use serde::Serialize;
 
 use super::motions::motions;
@@ -39,10 +39,16 @@ impl PhaseArgs {
     }
 
     /// Finds the phases of every drive, in parallel.
-    pub(crate) fn trips(&self, inputs: &[Input], context: &Context) -> anyhow::Result<Vec<Trip>> {
+    pub(crate) fn trips(
+        &self,
+        inputs: &[Input],
+        context: &Context,
+    ) -> anyhow::Result<Vec<DriveBehaviour>> {
         let motions = motions(inputs, self.slope_bandwidth)?;
         let progress = Progress::new(context, "segmenting", inputs.len());
-        Ok(find_trips(&motions, &self.settings(), &|| progress.step())?)
+        Ok(find_behaviour(&motions, &self.settings(), &|| {
+            progress.step();
+        })?)
     }
 }
 

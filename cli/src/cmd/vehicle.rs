@@ -12,7 +12,7 @@ use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Built-in vehicles, vehicle files and single operating points
 #[derive(Debug, Subcommand)]
@@ -155,8 +155,9 @@ fn show(args: &ShowArgs, context: &Context) -> anyhow::Result<()> {
 }
 
 fn check(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../figures/vehicle-check.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../figures/vehicle-check.txt"
+    )))?;
     #[derive(Serialize)]
     struct Body {
         vehicles: Vec<Checked>,
@@ -242,8 +243,9 @@ fn check_text(vehicles: &[Checked]) -> String {
 }
 
 fn point(args: &PointArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../figures/vehicle-point.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../figures/vehicle-point.txt"
+    )))?;
     let vehicle = vehicle(&args.vehicle)?;
     let requests = match (&args.points, args.speed) {
         (Some(path), _) => read_points(path)?,

@@ -14,7 +14,14 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     (
         "driver-eval",
         // the simulated drives are for its tests
-        &["drive-log", "drive-sim", "driver-model", "ev-energy", "svr"],
+        &[
+            "drive-log",
+            "drive-sim",
+            "driver-model",
+            "ev-energy",
+            "svr",
+            "tseg",
+        ],
     ),
     ("report", &[]),
     ("unicycle-cbf", &[]),

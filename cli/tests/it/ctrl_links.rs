@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::program::{drivekit, drivekit_in, run};
+use crate::python::has_python;
 
 const BRIDGE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -122,14 +123,6 @@ class Robotarium:
     for (name, text) in files {
         std::fs::write(folder.join(name), text).unwrap();
     }
-}
-
-fn has_python() -> bool {
-    let found = Command::new("python3").arg("--version").output().is_ok();
-    if !found {
-        eprintln!("skipped: no python3");
-    }
-    found
 }
 
 #[test]

@@ -207,8 +207,7 @@ fn a_killed_session_leaves_a_log_up_to_its_last_step() {
 #[test]
 fn ctrl_c_at_a_terminal_leaves_the_robots_program_time_to_hear_zeros() {
     use std::os::unix::process::CommandExt as _;
-    if Command::new("python3").arg("--version").output().is_err() {
-        eprintln!("skipped: no python3");
+    if !crate::python::has_python() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

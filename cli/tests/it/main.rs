@@ -32,8 +32,13 @@ mod many_logs;
 mod outputs;
 mod portrait;
 mod program;
+#[path = "../../../fixtures/python.rs"]
+mod python;
 mod require;
 mod segment;
+#[path = "../../../fixtures/shared.rs"]
+mod shared;
+mod snapshots;
 mod synth;
 mod ties;
 mod times;

@@ -1,9 +1,11 @@
 //! Running the program.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
+
+pub(crate) use crate::shared::shared;
 
 pub(crate) struct Run {
     pub(crate) code: i32,
@@ -69,18 +71,6 @@ pub(crate) fn fixture(name: &str) -> String {
         .join("../fixtures")
         .join(name);
     path.to_str().unwrap().to_owned()
-}
-
-/// Recorded data beside the project, where it is at hand.
-pub(crate) fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared")
-        .join(name);
-    if !path.exists() {
-        eprintln!("skipped: no {name} beside the project");
-        return None;
-    }
-    Some(path)
 }
 
 /// Whether the program under test inherits that a signal is ignored, as under `nohup`; known on Linux only.

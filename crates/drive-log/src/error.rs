@@ -382,7 +382,7 @@ pub enum Error {
         max_gap_s: f64,
     },
     /// What the recording says cannot be, and what it means cannot be told.
-    #[error("{log}: {channel}: {found}; `--raw` takes a uniform log as it is")]
+    #[error("{log}: {channel}: {found}")]
     Refused {
         /// The log.
         log: String,

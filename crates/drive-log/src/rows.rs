@@ -226,7 +226,7 @@ impl<R: BufRead> RowReader<R> {
             self.told_of_steps = true;
             remark(format!(
                 "{place}: {found_s:.3} s after the row before, not {step_s} s; straight lines between such rows are sampled every \
-                 {step_s} s, see --step"
+                 {step_s} s, the step that was asked for"
             ));
         }
     }

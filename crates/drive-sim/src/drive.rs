@@ -160,18 +160,18 @@ impl Ride<'_> {
             .update(time_s, self.position_m, self.speed_mps, may_cut_in);
         match self.plan {
             Plan::Standstill { until } if k < until => return,
-            Plan::Standstill { .. } => self.settle(k),
-            Plan::Accelerate { ref curve, at, .. } if at + 1 >= curve.len() => self.settle(k),
+            Plan::Standstill { .. } => self.go_on(k),
+            Plan::Accelerate { ref curve, at, .. } if at + 1 >= curve.len() => self.go_on(k),
             Plan::Brake { braking, elapsed_s } if elapsed_s < braking.duration_s => return,
             Plan::Brake { .. } => return self.arrive(k),
-            Plan::Follow if self.follow_accel_mps2().is_none() => self.settle(k),
+            Plan::Follow if self.follow_accel_mps2().is_none() => self.go_on(k),
             _ => {}
         }
         while self.position_m >= self.route.leg(self.leg).end_m {
             self.leg += 1;
         }
         if !self.brake_ahead(k) && matches!(self.plan, Plan::Cruise { .. }) && self.too_slow() {
-            self.settle(k);
+            self.go_on(k);
         }
     }
 
@@ -180,7 +180,7 @@ impl Ride<'_> {
     }
 
     /// Goes for the speed wanted on this leg.
-    fn settle(&mut self, k: usize) {
+    fn go_on(&mut self, k: usize) {
         let target_mps = self.cruise_mps(self.leg);
         if self.too_slow() {
             let habit = PhaseHabit::draw(&mut self.random, self.settings.variation);
@@ -246,7 +246,7 @@ impl Ride<'_> {
             let until = k + (dwell_s / self.settings.step_s) as usize;
             self.begin(k, Plan::Standstill { until }, Regime::Standstill, 0.0);
         } else {
-            self.settle(k);
+            self.go_on(k);
         }
     }
 

@@ -9,8 +9,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{Exponential, Inverse};
 use driver_model::{
-    AccelPoint, ModelKind, Motion, Onset, Phase, PhaseKind, PhaseModel, PhaseSettings, TrainingSet,
-    Trip,
+    AccelPoint, DriveBehaviour, ModelKind, Motion, Onset, Phase, PhaseKind, PhaseModel,
+    PhaseSettings, TrainingSet,
 };
 use ev_energy::Vehicle;
 
@@ -125,12 +125,12 @@ fn simulated_drives(drives: usize) -> Vec<Drive> {
         .collect()
 }
 
-fn trip_of(drive: &Drive, settings: &PhaseSettings) -> Trip {
+fn trip_of(drive: &Drive, settings: &PhaseSettings) -> DriveBehaviour {
     let motions = Motion::of_drive(drive, 100.0).unwrap();
-    Trip::of_drive(&motions, settings).unwrap()
+    DriveBehaviour::of_drive(&motions, settings).unwrap()
 }
 
-fn simulated_trips(drives: usize) -> Vec<Trip> {
+fn simulated_trips(drives: usize) -> Vec<DriveBehaviour> {
     let settings = PhaseSettings::default();
     simulated_drives(drives)
         .iter()

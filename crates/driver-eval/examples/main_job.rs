@@ -9,7 +9,7 @@ use std::error::Error;
 use drive_log::{LayoutChoice, Preparation, prepare, read_file};
 use driver_eval::behaviour::{BehaviourSettings, evaluate_behaviour};
 use driver_eval::phase::EvaluationData;
-use driver_model::{Motion, PhaseSettings, Trip};
+use driver_model::{DriveBehaviour, Motion, PhaseSettings};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 const DRIVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/drives");
@@ -21,7 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         for log in read_file(path.as_ref(), &LayoutChoice::Auto)?.logs {
             let drive = prepare(log, &Preparation::default())?;
             let motions = Motion::of_drive(&drive, DEFAULT_SLOPE_BANDWIDTH_M)?;
-            trips.push(Trip::of_drive(&motions, &PhaseSettings::default())?);
+            trips.push(DriveBehaviour::of_drive(
+                &motions,
+                &PhaseSettings::default(),
+            )?);
         }
     }
     let data = EvaluationData::by_trip(&trips);

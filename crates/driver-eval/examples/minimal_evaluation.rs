@@ -8,7 +8,7 @@ use std::error::Error;
 
 use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
-use driver_model::{Motion, PhaseKind, PhaseSettings, Trip};
+use driver_model::{DriveBehaviour, Motion, PhaseKind, PhaseSettings};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -21,7 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut trips = Vec::new();
     for simulated in simulate(&settings, &vehicle)? {
         let motion = Motion::of_log(&simulated.log, DEFAULT_SLOPE_BANDWIDTH_M)?;
-        trips.push(Trip::of_drive(&[motion], &PhaseSettings::default())?);
+        trips.push(DriveBehaviour::of_drive(
+            &[motion],
+            &PhaseSettings::default(),
+        )?);
     }
 
     let data = EvaluationData::by_trip(&trips);

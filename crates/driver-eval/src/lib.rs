@@ -9,13 +9,13 @@
 //! ```
 //! use drive_sim::{SynthSettings, simulate};
 //! use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
-//! use driver_model::{Motion, PhaseKind, PhaseSettings, Trip};
+//! use driver_model::{Motion, PhaseKind, PhaseSettings, DriveBehaviour};
 //!
 //! let vehicle = ev_energy::Vehicle::builtin("b250e")?;
 //! let settings = SynthSettings { drives: 3, duration_s: 200.0, ..SynthSettings::default() };
 //! let trips = simulate(&settings, &vehicle)?
 //!     .into_iter()
-//!     .map(|simulated| Trip::of_drive(&[Motion::of_log(&simulated.log, 100.0)?], &PhaseSettings::default()))
+//!     .map(|simulated| DriveBehaviour::of_drive(&[Motion::of_log(&simulated.log, 100.0)?], &PhaseSettings::default()))
 //!     .collect::<Result<Vec<_>, _>>()?;
 //!
 //! let data = EvaluationData::by_trip(&trips);
@@ -40,6 +40,7 @@ pub mod phase;
 pub mod portrait;
 mod predictions;
 mod ratio_interval;
+pub mod segmentation;
 pub mod speed_ahead;
 pub mod trajectory;
 pub mod trip_driver;

@@ -6,8 +6,8 @@ use driver_model::road::{Road, RoadKnowledge};
 use driver_model::speed_ahead::{DirectModel, HorizonScore};
 use driver_model::trip_driver::{FreeRun, TripDriver};
 use driver_model::{
-    DriverModel, Error as ModelError, LeftOut, Motion, Phase, PhaseCurve, PhaseKind, PhaseModel,
-    PhaseSettings, Trip, find_trips, without,
+    DriveBehaviour, DriverModel, Error as ModelError, LeftOut, Motion, Phase, PhaseCurve,
+    PhaseKind, PhaseModel, PhaseSettings, find_behaviour, without,
 };
 use serde::Serialize;
 
@@ -143,7 +143,7 @@ pub fn predict(
     settings: &PredictionSettings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<(Predictions, Vec<LeftOut>), Error> {
-    let trips = || find_trips(motions, &settings.phases, progress);
+    let trips = || find_behaviour(motions, &settings.phases, progress);
     Ok(match model {
         DriverModel::Acceleration(model) => {
             of_phases(&trips()?, PhaseKind::Acceleration, model, settings.band_mps)
@@ -177,8 +177,8 @@ pub fn predict(
 }
 
 fn of_each<S, T>(
-    trips: &[Trip],
-    of: impl Fn(&Trip) -> &Vec<S>,
+    trips: &[DriveBehaviour],
+    of: impl Fn(&DriveBehaviour) -> &Vec<S>,
     predict: impl Fn(&S) -> T,
 ) -> Vec<Predicted<T>> {
     let predicted = trips.iter().map(|trip| Predicted {
@@ -189,12 +189,12 @@ fn of_each<S, T>(
 }
 
 fn of_phases(
-    trips: &[Trip],
+    trips: &[DriveBehaviour],
     kind: PhaseKind,
     model: &PhaseModel,
     band_mps: f64,
 ) -> (Predictions, Vec<LeftOut>) {
-    let counts = |trip: &Trip| trip.phases_of(kind).next().is_some();
+    let counts = |trip: &DriveBehaviour| trip.phases_of(kind).next().is_some();
     let predicted = trips.iter().map(|trip| Predicted {
         name: trip.name.clone(),
         phases: trip

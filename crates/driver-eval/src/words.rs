@@ -27,6 +27,12 @@ pub fn listed(names: &[&str]) -> String {
     }
 }
 
+/// To so many decimals.
+pub(crate) fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10.0_f64.powi(decimals);
+    (value * scale).round() / scale
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@ pub enum Error {
     /// There is not enough to learn from.
     #[error(
         "cannot fit `{model}`: found {found} of at least {needed} {unit} to learn from; \
-         add drives or lower --min-duration and --min-gain"
+         add drives or allow shorter and smaller phases"
     )]
     TooFewPhases {
         /// Model name.
@@ -72,7 +72,7 @@ pub enum Error {
     /// A scaling that needs the whole log, asked of a stream.
     #[error(
         "a stream has no whole to take its scale from; \
-         give fixed divisors in m/s and m/s² such as --scale 10,0.5, or --scale none"
+         give fixed divisors in m/s and m/s², or none"
     )]
     ScaleOfStream,
     /// A method that needs the whole log, asked of a stream.
@@ -119,9 +119,7 @@ pub enum Error {
         model: ModelKind,
     },
     /// Drives of different sampling intervals.
-    #[error(
-        "{log}: sampled every {found_s} s where {expected_s} s were expected; give --step {expected_s}"
-    )]
+    #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; resample it")]
     Steps {
         /// Name of the drive.
         log: String,

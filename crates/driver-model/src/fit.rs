@@ -7,8 +7,8 @@ use crate::following::FollowingModel;
 use crate::speed_ahead::{DirectModel, DirectSettings};
 use crate::trip_driver::TripDriver;
 use crate::{
-    DriverModel, Error, LeftOut, ModelKind, Motion, PhaseKind, PhaseModel, PhaseSettings, PointsOf,
-    Subject, TrainingSet, Trip, motion,
+    DriveBehaviour, DriverModel, Error, LeftOut, ModelKind, Motion, PhaseKind, PhaseModel,
+    PhaseSettings, PointsOf, Subject, TrainingSet, motion,
 };
 
 /// Drives of other drivers, from which models of phases learn as well.
@@ -97,7 +97,7 @@ pub fn fit_with(
     if prior.is_some() && kind.subject() != Subject::Phases {
         return Err(Error::NoPrior { model: kind });
     }
-    let trips = || find_trips(motions, &settings.phases, progress);
+    let trips = || find_behaviour(motions, &settings.phases, progress);
     match kind.subject() {
         Subject::Phases => fit_phases(kind, &trips()?, prior, settings, progress),
         Subject::Cruise => fit_cruise(&trips()?),
@@ -110,15 +110,15 @@ pub fn fit_with(
 /// Finds what counts in every drive, in parallel on the current rayon pool; `progress` is called after each.
 ///
 /// # Errors
-/// As [`Trip::of_drive`].
-pub fn find_trips(
+/// As [`DriveBehaviour::of_drive`].
+pub fn find_behaviour(
     motions: &[Motion],
     settings: &PhaseSettings,
     progress: &(dyn Fn() + Sync),
-) -> Result<Vec<Trip>, Error> {
+) -> Result<Vec<DriveBehaviour>, Error> {
     let drives: Vec<&[Motion]> = motion::drives(motions).collect();
     let find = |drive: &[Motion]| {
-        let trip = Trip::of_drive(drive, settings);
+        let trip = DriveBehaviour::of_drive(drive, settings);
         progress();
         trip
     };
@@ -127,21 +127,21 @@ pub fn find_trips(
 
 fn fit_phases(
     kind: ModelKind,
-    own: &[Trip],
+    own: &[DriveBehaviour],
     prior: Option<Prior<'_>>,
     settings: &FitSettings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Fitted, Error> {
     let others = prior.map_or_else(
         || Ok(Vec::new()),
-        |prior| find_trips(prior.motions, &settings.phases, progress),
+        |prior| find_behaviour(prior.motions, &settings.phases, progress),
     )?;
     let phase_kind = PhaseKind::from(settings.manoeuvre);
     let weight = prior.map_or(0.0, |prior| prior.weight);
     let training = TrainingSet::with_points(settings.points_of, phase_kind, own)
         .with_prior(phase_kind, &others, weight);
     let model = PhaseModel::fit(kind, &training)?;
-    let counts = |trip: &Trip| trip.phases_of(phase_kind).next().is_some();
+    let counts = |trip: &DriveBehaviour| trip.phases_of(phase_kind).next().is_some();
     Ok(Fitted {
         phases: training.phases.len(),
         points: training.points.len(),
@@ -158,9 +158,9 @@ fn fit_phases(
     })
 }
 
-fn fit_cruise(trips: &[Trip]) -> Result<Fitted, Error> {
+fn fit_cruise(trips: &[DriveBehaviour]) -> Result<Fitted, Error> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.cruise).collect();
-    let counts = |trip: &Trip| !trip.cruise.is_empty();
+    let counts = |trip: &DriveBehaviour| !trip.cruise.is_empty();
     Ok(Fitted {
         model: DriverModel::Cruise(CruiseModel::fit(&stretches)?),
         phases: stretches.len(),
@@ -170,9 +170,9 @@ fn fit_cruise(trips: &[Trip]) -> Result<Fitted, Error> {
     })
 }
 
-fn fit_following(kind: ModelKind, trips: &[Trip]) -> Result<Fitted, Error> {
+fn fit_following(kind: ModelKind, trips: &[DriveBehaviour]) -> Result<Fitted, Error> {
     let stretches: Vec<_> = trips.iter().flat_map(|trip| &trip.following).collect();
-    let counts = |trip: &Trip| !trip.following.is_empty();
+    let counts = |trip: &DriveBehaviour| !trip.following.is_empty();
     Ok(Fitted {
         model: DriverModel::Following(FollowingModel::fit(kind, &stretches)?.model),
         phases: stretches.len(),
@@ -210,7 +210,11 @@ fn fit_trip_driver(motions: &[Motion]) -> Result<Fitted, Error> {
 }
 
 /// The drives of which nothing counts, with the reason.
-pub fn without(trips: &[Trip], counts: impl Fn(&Trip) -> bool, reason: &str) -> Vec<LeftOut> {
+pub fn without(
+    trips: &[DriveBehaviour],
+    counts: impl Fn(&DriveBehaviour) -> bool,
+    reason: &str,
+) -> Vec<LeftOut> {
     let empty = trips.iter().filter(|trip| !counts(trip));
     empty.map(|trip| LeftOut::new(&trip.name, reason)).collect()
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{ModelKind, PhaseKind, PhaseModel, PointsOf, TrainingSet, Trip};
+use crate::{DriveBehaviour, ModelKind, PhaseKind, PhaseModel, PointsOf, TrainingSet};
 
 /// One function of speed, fitted to points of acceleration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,7 +24,7 @@ pub struct FunctionFit {
 /// The three functions fitted to the means and to all samples of the segments of one kind; a fit with too few points, or
 /// one that does not converge, is left out.
 #[must_use]
-pub fn function_fits(kind: PhaseKind, trips: &[Trip]) -> Vec<FunctionFit> {
+pub fn function_fits(kind: PhaseKind, trips: &[DriveBehaviour]) -> Vec<FunctionFit> {
     let sets = [PointsOf::Means, PointsOf::Samples]
         .map(|points_of| (points_of, TrainingSet::with_points(points_of, kind, trips)));
     let models = [
@@ -66,7 +66,7 @@ pub struct AccelDensity {
 impl AccelDensity {
     /// Of the segments of one kind.
     #[must_use]
-    pub fn of(kind: PhaseKind, trips: &[Trip]) -> Self {
+    pub fn of(kind: PhaseKind, trips: &[DriveBehaviour]) -> Self {
         let (speed_step_mps, accel_step_mps2) = (0.5, 0.1);
         let mut counts = BTreeMap::<(i64, i64), usize>::new();
         for segment in trips.iter().flat_map(|trip| trip.segments_of(kind)) {

@@ -13,7 +13,7 @@
 //! baselines          constant (v0, T), straight and smoothstep (v0, v_end, T)
 //! ```
 //!
-//! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`Trip`], its phases by labels
+//! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`DriveBehaviour`], its phases by labels
 //! ([`HeuristicRules`]) and its segments by statistics ([`StatisticalRules`]), those under a leader's influence left out;
 //! [`PhaseModel::fit`] learns from a [`TrainingSet`], in which other drivers count less.
 //!
@@ -25,7 +25,7 @@
 //!
 //! ```
 //! use drive_log::{Channel, DriveLog};
-//! use driver_model::{PhaseModel, ModelKind, Motion, PhaseKind, PhaseSettings, TrainingSet, Trip};
+//! use driver_model::{PhaseModel, ModelKind, Motion, PhaseKind, PhaseSettings, TrainingSet, DriveBehaviour};
 //!
 //! // Ten times from rest to 50 km/h and back, a sample every 0.1 s.
 //! let rise = |k: usize| 13.9 * (1.0 - (std::f64::consts::PI * k as f64 / 100.0).cos()) / 2.0;
@@ -33,7 +33,7 @@
 //! let log = DriveLog::new("anna", 0.0, 0.1, [(Channel::Speed, speed_mps)].into_iter().collect())?;
 //!
 //! let motion = Motion::of_log(&log, 100.0)?;
-//! let trip = Trip::of_drive(&[motion], &PhaseSettings::default())?;
+//! let trip = DriveBehaviour::of_drive(&[motion], &PhaseSettings::default())?;
 //! let set = TrainingSet::from_trips(PhaseKind::Acceleration, [&trip]);
 //! let model = PhaseModel::fit(ModelKind::Profile, &set)?;
 //! let outline = trip.phases[0].outline();
@@ -52,6 +52,7 @@
 //!   2088, 2008.
 
 pub mod cruise;
+mod drive_behaviour;
 mod driver_model;
 pub mod energy;
 pub mod error;
@@ -76,12 +77,12 @@ pub mod statistics;
 mod stream;
 mod tally;
 mod training;
-mod trip;
 pub mod trip_driver;
 
+pub use drive_behaviour::{DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
-pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_trips, fit, fit_with, without};
+pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, without};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use kind::{ModelKind, Subject};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
@@ -98,4 +99,3 @@ pub use statistical::{
 };
 pub use stream::{PhaseStream, Reading, StreamedPhase};
 pub use training::{AccelPoint, PointsOf, TrainingPhase, TrainingSet};
-pub use trip::{LeadInfluenced, PhaseSettings, Segment, Trip};

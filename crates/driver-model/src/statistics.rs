@@ -18,6 +18,13 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[left] + (sorted[right] - sorted[left]) * (position - left as f64))
 }
 
+/// The median; `None` without values.
+#[must_use]
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    quantile(&values, 0.5)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use crate::{PhaseCurve, PhaseKind, Trip};
+use crate::{DriveBehaviour, PhaseCurve, PhaseKind};
 
 /// What models are fitted to: phases by the heuristic route, points of acceleration over speed by the statistical route.
 #[derive(Debug, Clone, Default)]
@@ -60,7 +60,10 @@ impl AccelPoint {
 impl<'a> TrainingSet<'a> {
     /// Joins what trips have to offer of one kind of phase.
     #[must_use]
-    pub fn from_trips(kind: PhaseKind, trips: impl IntoIterator<Item = &'a Trip>) -> Self {
+    pub fn from_trips(
+        kind: PhaseKind,
+        trips: impl IntoIterator<Item = &'a DriveBehaviour>,
+    ) -> Self {
         Self::with_points(PointsOf::Means, kind, trips)
     }
 
@@ -69,7 +72,7 @@ impl<'a> TrainingSet<'a> {
     pub fn with_points(
         points_of: PointsOf,
         kind: PhaseKind,
-        trips: impl IntoIterator<Item = &'a Trip>,
+        trips: impl IntoIterator<Item = &'a DriveBehaviour>,
     ) -> Self {
         let mut training = Self {
             points_of,
@@ -84,7 +87,7 @@ impl<'a> TrainingSet<'a> {
     pub fn with_prior(
         mut self,
         kind: PhaseKind,
-        trips: impl IntoIterator<Item = &'a Trip>,
+        trips: impl IntoIterator<Item = &'a DriveBehaviour>,
         weight: f64,
     ) -> Self {
         if weight > 0.0 {
@@ -93,7 +96,12 @@ impl<'a> TrainingSet<'a> {
         self
     }
 
-    fn extend(&mut self, kind: PhaseKind, trips: impl IntoIterator<Item = &'a Trip>, weight: f64) {
+    fn extend(
+        &mut self,
+        kind: PhaseKind,
+        trips: impl IntoIterator<Item = &'a DriveBehaviour>,
+        weight: f64,
+    ) {
         let first = self.phases.last().map_or(0, |p| p.trip + 1);
         for (number, trip) in (first..).zip(trips) {
             let phases = trip.phases_of(kind).map(|curve| TrainingPhase {

@@ -52,14 +52,14 @@ use std::sync::mpsc::{self, Sender};
 use std::thread::{self, JoinHandle};
 
 use serde_json::Value;
-use testbed_sim::Figures;
+use testbed_sim::RunFigures;
 use tokio::net::{TcpListener, TcpSocket};
 use tokio::runtime::{Builder, Runtime};
 use unicycle_cbf::Scenario;
 
 use access::{Access, random_hex};
 use events::{Message, Slot};
-use server::{BACKLOG, Session, serve};
+use server::{BACKLOG, ShownSession, serve};
 
 pub use error::Error;
 pub use newest::NewestPlaces;
@@ -108,7 +108,7 @@ impl View {
         let address = listener.local_addr().map_err(failed)?;
         let access = Access::new(address).map_err(Error::no_random_numbers)?;
         let (watch_url, control_url) = access.urls(address);
-        let session = Session {
+        let session = ShownSession {
             access,
             name: random_hex::<8>().map_err(Error::no_random_numbers)?,
             title,
@@ -176,7 +176,7 @@ impl Drop for View {
 
 /// What the page draws once; empty only if numbers were no numbers.
 fn lane(scenario: &Scenario) -> Value {
-    let figures = serde_json::to_value(Figures::new(scenario, &[], None)).unwrap_or_default();
+    let figures = serde_json::to_value(RunFigures::new(scenario, &[], None)).unwrap_or_default();
     let mut lane = figures["lane"].clone();
     for key in ["robot", "headway_s"] {
         lane[key] = figures[key].clone();

@@ -58,7 +58,7 @@ const HEADERS: [(HeaderName, &str); 5] = [
 ];
 
 /// What the pages of one session are about, and what they may do.
-pub(super) struct Session {
+pub(super) struct ShownSession {
     pub(super) access: Access,
     /// Tells a page that has connected again whether this is still the same session.
     pub(super) name: String,
@@ -69,7 +69,7 @@ pub(super) struct Session {
 
 #[derive(Clone)]
 struct Served {
-    session: Arc<Session>,
+    session: Arc<ShownSession>,
     published: watch::Receiver<Published>,
     streams: Arc<Semaphore>,
 }
@@ -77,7 +77,7 @@ struct Served {
 /// Serves until the control loop closes, and gives the pages the time to hear of it.
 pub(super) async fn serve(
     listener: TcpListener,
-    session: Session,
+    session: ShownSession,
     slot: Slot,
     messages: Receiver<Message>,
 ) {
@@ -122,7 +122,7 @@ async fn accept(listener: TcpListener, served: Served, places: Arc<Places>) {
 async fn attend(
     stream: TcpStream,
     service: TowerToHyperService<Router>,
-    session: Arc<Session>,
+    session: Arc<ShownSession>,
     place: Place,
 ) {
     let _ = stream.set_nodelay(true);
@@ -150,7 +150,7 @@ async fn attend(
     }
 }
 
-impl Session {
+impl ShownSession {
     /// Who asks; none if the request is refused.
     fn holder(&self, request: &hyper::Request<Incoming>) -> Option<Holder> {
         let (access, headers) = (&self.access, request.headers());
@@ -227,7 +227,7 @@ async fn events(
     Sse::new(unfold(follower, Follower::next)).into_response()
 }
 
-fn hello(session: &Session, uri: &Uri) -> Value {
+fn hello(session: &ShownSession, uri: &Uri) -> Value {
     json!({
         "session": session.name,
         "title": session.title,

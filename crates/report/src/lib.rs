@@ -1,7 +1,8 @@
 //! Documents as HTML pages that need nothing but themselves.
 //!
 //! A page is plain HTML, CSS and JavaScript from `web/`, with the JSON document of a command inside; its own script draws tables and
-//! charts from that. It reaches for nothing outside, works from a file, and says which keys a document lacks.
+//! charts from that. It reaches for nothing outside, works from a file, and says which keys a document lacks. [`picture`] draws speeds
+//! as SVG without a document, and [`require`] holds figures of a document against thresholds.
 //!
 //! ```
 //! let document = serde_json::json!({ "schema": "drivekit/energy/1", "trips": [] });
@@ -11,6 +12,8 @@
 
 mod live;
 mod pages;
+pub mod picture;
+pub mod require;
 
 use serde_json::Value;
 

@@ -317,7 +317,7 @@ fn solve_linear(
 }
 
 /// Objectives of a solution.
-struct Figures {
+struct FitFigures {
     primal: f64,
     dual: f64,
 }
@@ -327,7 +327,7 @@ struct Figures {
 const AT_A_BOUND: f64 = 1e-6;
 
 impl Target<'_> {
-    fn figures(&self, solved: &Solved) -> Figures {
+    fn figures(&self, solved: &Solved) -> FitFigures {
         let (mut square, mut loss, mut linear) = (0.0, 0.0, 0.0);
         for (i, &y) in self.response.iter().enumerate() {
             let (beta, product, bound) = (solved.beta[i], solved.products[i], self.bound[i]);
@@ -335,7 +335,7 @@ impl Target<'_> {
             linear += y * beta - self.tube_epsilon * beta.abs();
             loss += bound * ((y - product - solved.bias).abs() - self.tube_epsilon).max(0.0);
         }
-        Figures {
+        FitFigures {
             primal: 0.5 * square + loss,
             dual: linear - 0.5 * square,
         }

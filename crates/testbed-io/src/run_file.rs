@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use testbed_sim::{Disturbances, Figures, RunSpec, Summary, Tick};
+use testbed_sim::{Disturbances, RunFigures, RunSpec, Summary, Tick};
 use unicycle_cbf::{Scenario, ScenarioSpec};
 
 use crate::error::Error;
@@ -88,7 +88,7 @@ impl LoggedRun {
     /// # Errors
     ///
     /// None of a run that was made of its specification.
-    pub fn figures(&self, scenario: &Scenario) -> Result<Figures, Error> {
+    pub fn figures(&self, scenario: &Scenario) -> Result<RunFigures, Error> {
         let undisturbed = if self.spec.disturbances.is_none() {
             None
         } else {
@@ -99,6 +99,6 @@ impl LoggedRun {
             Some(spec.simulate()?.0)
         };
         let undisturbed = undisturbed.as_ref().map(|run| run.ticks.as_slice());
-        Ok(Figures::new(scenario, &self.ticks, undisturbed))
+        Ok(RunFigures::new(scenario, &self.ticks, undisturbed))
     }
 }

@@ -14,7 +14,7 @@ type Line = Vec<f64>;
 
 /// Everything on one page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figures {
+pub struct RunFigures {
     lane: Outline,
     headway_s: f64,
     lane_barrier: &'static str,
@@ -73,7 +73,7 @@ struct RobotLines {
     step_us: Line,
 }
 
-impl Figures {
+impl RunFigures {
     /// Of a run, and of the same without disturbances where it had some.
     #[must_use]
     pub fn new(scenario: &Scenario, ticks: &[Tick], undisturbed: Option<&[Tick]>) -> Self {

@@ -4,6 +4,7 @@ use serde::Serialize;
 use unicycle_cbf::{Decision, Scenario, ScenarioSpec, Tracks};
 
 use crate::columns::DECIDED;
+use crate::commanded::Commanded;
 use crate::convoy::Convoy;
 use crate::error::Error;
 use crate::measured::Measured;
@@ -11,7 +12,6 @@ use crate::run_log::{LoggedTick, RealRobots, RunLog};
 use crate::sight::Doubt;
 use crate::summary::{Summarising, Summary};
 use crate::tick::Tick;
-use crate::told::Told;
 use crate::verdict::{LeastDistance, Verdict, safeties};
 
 /// The last step of a session that went on to its end begins so many steps before it at most.
@@ -183,13 +183,13 @@ struct Judging<'a> {
     scenario: &'a Scenario,
     summary: Summarising,
     tracks: Tracks,
-    session: Option<Session<'a>>,
+    session: Option<Replayed<'a>>,
 }
 
-struct Session<'a> {
+struct Replayed<'a> {
     robots: &'a RealRobots,
     measured: Measured<'a>,
-    told: Vec<Told>,
+    told: Vec<Commanded>,
     /// Of which the newest poses were not believed
     disbelieved: Vec<bool>,
 }
@@ -197,10 +197,10 @@ struct Session<'a> {
 impl<'a> Judging<'a> {
     fn new(scenario: &'a Scenario, robots: Option<&'a RealRobots>) -> Self {
         let wheel_base_m = scenario.controller().body().wheel_base_m;
-        let session = robots.map(|robots| Session {
+        let session = robots.map(|robots| Replayed {
             robots,
             measured: Measured::new(scenario, robots.hear_commands),
-            told: vec![Told::new(wheel_base_m); scenario.starts().len()],
+            told: vec![Commanded::new(wheel_base_m); scenario.starts().len()],
             disbelieved: vec![false; scenario.starts().len()],
         });
         Self {

@@ -1,3 +1,5 @@
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
+
 use crate::cost::Cost;
 use crate::error::{Error, check_threshold};
 use crate::merger::Merger;
@@ -6,17 +8,34 @@ use crate::series::Series;
 use crate::window::Window;
 
 /// When [`BottomUp`] stops merging; one segment is always the end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Stop {
     /// Before the cheapest candidate merge would cost more than the threshold. Keogh et al. (2001).
     #[default]
+    #[strum(message = "Before a merged segment would cost more than the threshold")]
     Keogh,
     /// After the merge that brings the highest cost of a segment over the threshold. Text of thesis section 3.1.3.
+    #[strum(message = "Once a segment costs more than the threshold")]
     SegmentMax,
     /// After the merge that leaves a candidate dearer than the threshold, and after one merge at least: thesis
     /// Algorithm 3 to the letter. On most signals that is after the first merge.
+    #[strum(message = "Once any possible merge would (Algorithm 3 as printed)")]
     CandidateMax,
     /// Before the merge that would bring the sum of the costs of all segments over the threshold.
+    #[strum(message = "Before all segments together would")]
     Total,
 }
 

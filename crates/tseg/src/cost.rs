@@ -1,5 +1,7 @@
 use std::ops::Range;
 
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
+
 use crate::deviation::{absolute_deviation, squared_deviation};
 use crate::error::{Error, check_length};
 use crate::segmentation::Segmentation;
@@ -9,19 +11,25 @@ use crate::series::{STEPS_PER_UNIT, Series};
 ///
 /// `x_ij` is sample `j` of variable `i` in a segment of `n` samples, `x̄_i` its mean there, `w_i` the variable's weight.
 /// A variable that is exactly constant on the segment adds 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, EnumMessage, EnumString, IntoStaticStr, VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Cost {
     /// `Σ_i w_i Σ_j |x_ij − x̄_i| / S_i` with `S_i = √(Σ_j (x_ij − x̄_i)² / (n − 1))`: thesis (3.19), (3.20).
     ///
     /// Blind to the scale of the variables; grows with the length of the segment.
+    #[strum(message = "Sum of deviations over the standard deviation (3.19)")]
     ZScale,
     /// `Σ_i w_i Σ_j |x_ij − x̄_i| / n`, the weighted mean absolute deviation: thesis (3.22).
     ///
     /// In units of the variables; not monotone in the length of the segment.
+    #[strum(message = "Mean deviation (3.22)")]
     MeanDeviation,
     /// `Σ_i w_i Σ_j (x_ij − x̄_i)²`, the weighted squared error: the cost of piecewise constant least squares.
     ///
     /// In squared units; splitting a segment never raises it.
+    #[strum(message = "Sum of squared deviations")]
     SquaredError,
 }
 

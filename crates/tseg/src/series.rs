@@ -103,10 +103,10 @@ impl Series {
     }
 
     /// Drops the first `count` samples; the others move up.
-    pub(crate) fn forget(&mut self, count: usize) {
+    pub(crate) fn drop_front(&mut self, count: usize) {
         self.len -= count;
         for variable in &mut self.variables {
-            variable.forget(count);
+            variable.drop_front(count);
         }
     }
 
@@ -197,7 +197,7 @@ impl Variable {
         self.largest = self.largest.max(step.abs());
     }
 
-    fn forget(&mut self, count: usize) {
+    fn drop_front(&mut self, count: usize) {
         self.steps.drain(..count);
         self.sums.drain(..count);
         self.run_len.drain(..count);

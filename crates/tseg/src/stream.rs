@@ -66,8 +66,8 @@ impl SwabStream {
         let segment = self.start..self.dropped + end;
         self.start = segment.end;
         if end >= SLACK && end >= self.held.len() / SLACK_SHARE {
-            self.held.forget(end);
-            self.state.forget(end);
+            self.held.drop_front(end);
+            self.state.drop_front(end);
             self.dropped += end;
         }
         Ok(Some(segment))

@@ -1,3 +1,5 @@
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
+
 use crate::cost::Cost;
 use crate::error::Error;
 use crate::segmentation::Segmentation;
@@ -7,7 +9,20 @@ use crate::stream::SwabStream;
 use crate::window::Window;
 
 /// How [`Swab`] refills its window after a segment has left it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Refill {
     /// Append sliding-window segments, at least one, until the window holds half its nominal length; it never holds more
     /// than twice its nominal length.
@@ -15,11 +30,14 @@ pub enum Refill {
     /// A sliding-window segment grows sample by sample and stops *before* the one that would push its cost over the
     /// threshold; it has at least one sample. Keogh et al. (2001).
     #[default]
+    #[strum(message = "Sliding-window segments until the window is half full")]
     Keogh,
     /// Append one segment that grows while its cost is below the threshold, so that it includes the crossing sample;
     /// the window has no upper bound. Thesis Algorithm 4 to the letter.
+    #[strum(message = "One segment including the crossing sample (Algorithm 4)")]
     Literal,
     /// Append single samples up to the nominal length.
+    #[strum(message = "Single samples up to the window length")]
     Fixed,
 }
 
@@ -113,8 +131,8 @@ impl SwabState {
     }
 
     /// Counts samples from `count` on.
-    pub(crate) fn forget(&mut self, count: usize) {
-        self.window.forget(count);
+    pub(crate) fn drop_front(&mut self, count: usize) {
+        self.window.drop_front(count);
         self.growing = self.growing.map(|start| start - count);
     }
 

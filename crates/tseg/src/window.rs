@@ -45,7 +45,7 @@ impl Window {
     }
 
     /// Counts samples from `count` on.
-    pub(crate) fn forget(&mut self, count: usize) {
+    pub(crate) fn drop_front(&mut self, count: usize) {
         self.start -= count;
         self.end -= count;
         for end in &mut self.ends {

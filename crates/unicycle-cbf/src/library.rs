@@ -152,8 +152,8 @@ impl Testbed {
     }
 
     /// Table 4.1; `track` is the row of Fig. 4.15, and the Robotarium's `decay`, which has no row, uses that of Fig. 4.11.
-    fn course(self, name: &str) -> Course {
-        let narrow = Course {
+    fn course(self, name: &str) -> CourseForm {
+        let narrow = CourseForm {
             path: PathSpec::Polar {
                 radius_m: 0.25,
                 amplitude_m: 0.06,
@@ -164,7 +164,7 @@ impl Testbed {
             speeds_mps: [0.05, 0.075],
             lead: 0.25,
         };
-        let wide = Course {
+        let wide = CourseForm {
             path: PathSpec::Polar {
                 radius_m: 0.25,
                 amplitude_m: 0.1,
@@ -175,7 +175,7 @@ impl Testbed {
             speeds_mps: [0.1, 0.2],
             lead: 0.4,
         };
-        let large = Course {
+        let large = CourseForm {
             path: PathSpec::Polar {
                 radius_m: 0.9,
                 amplitude_m: 0.23,
@@ -185,7 +185,7 @@ impl Testbed {
             ..wide.clone()
         };
         match (self, name) {
-            (_, "straight") => Course {
+            (_, "straight") => CourseForm {
                 path: PathSpec::Straight {
                     x_m: 0.0,
                     y_m: 0.0,
@@ -196,12 +196,12 @@ impl Testbed {
             },
             (Self::Khepera, _) => large,
             (Self::Robotarium, "on-off" | "decay") => narrow,
-            (Self::Robotarium, "chain") => Course { lead: 0.25, ..wide },
+            (Self::Robotarium, "chain") => CourseForm { lead: 0.25, ..wide },
             (Self::Robotarium, _) => wide,
         }
     }
 
-    fn robots(self, name: &str, course: &Course) -> Vec<RobotSpec> {
+    fn robots(self, name: &str, course: &CourseForm) -> Vec<RobotSpec> {
         let [ahead_mps, behind_mps] = course.speeds_mps;
         let robot = RobotSpec::steady;
         let mut leader = robot(course.lead, ahead_mps);
@@ -254,7 +254,7 @@ impl Testbed {
         vec![leader, follower]
     }
 
-    fn controller(self, course: &Course, preset: Preset) -> ControllerSettings {
+    fn controller(self, course: &CourseForm, preset: Preset) -> ControllerSettings {
         preset.applied_to(&self.thesis(course), &self.body())
     }
 
@@ -277,7 +277,7 @@ impl Testbed {
     }
 
     /// The thesis's program with parameters that work: it does not name `a`, `m`, `I_z`, `a_max`, `γ` and all weights.
-    fn thesis(self, course: &Course) -> ControllerSettings {
+    fn thesis(self, course: &CourseForm) -> ControllerSettings {
         let weights = match self {
             Self::Khepera => [1.0, 1.0, 1e5, 1.0, 1e3],
             Self::Robotarium => [1.0, 1.0, 1e5, 0.1, 1e6],
@@ -318,7 +318,7 @@ impl From<Preset> for ControllerSettings {
 
 /// Path, lane, headway and speeds of leader and follower; the leader's start in revolutions or m.
 #[derive(Debug, Clone)]
-struct Course {
+struct CourseForm {
     path: PathSpec,
     half_width_m: f64,
     headway_s: f64,

@@ -12,7 +12,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
@@ -70,7 +70,7 @@ pub(crate) struct CampaignArgs {
 }
 
 pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require.check(&Figures::new(include_str!(
+    args.require.check(&KnownFigures::new(include_str!(
         "../../figures/ctrl-campaign.txt"
     )))?;
     let (campaign, refused) = args.campaign(context)?;

@@ -12,7 +12,7 @@ use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// What a scenario asks of its robots, and what is driven in its place where that does not fit
 ///
@@ -52,8 +52,9 @@ pub(super) struct Refused<'a> {
 }
 
 pub(crate) fn run(args: &CheckArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../../figures/ctrl-check.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/ctrl-check.txt"
+    )))?;
     let named = args.scenario.named(Preset::Hardened)?;
     named.spec.disturbances.check().context("disturbances")?;
     let spec = &named.spec.scenario;

@@ -14,7 +14,7 @@ use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// One state's rows, optimum and multipliers
 ///
@@ -40,7 +40,7 @@ pub(crate) struct ExplainArgs {
 }
 
 pub(crate) fn run(args: &ExplainArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require.check(&Figures::new(include_str!(
+    args.require.check(&KnownFigures::new(include_str!(
         "../../figures/ctrl-explain.txt"
     )))?;
     let named = args.scenario.named(Preset::Thesis)?;

@@ -18,7 +18,7 @@ use crate::names::named;
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Every decision of a run log once more, or controllers beside recorded poses
 ///
@@ -54,8 +54,9 @@ pub(crate) struct ReplayArgs {
 }
 
 pub(crate) fn run(args: &ReplayArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../../figures/ctrl-replay.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/ctrl-replay.txt"
+    )))?;
     match (args.poses, args.files.as_slice()) {
         (Some(layout), files) => beside(args, files, layout, context),
         (None, [file]) => again(args, file, context),

@@ -24,7 +24,7 @@ use crate::numbers;
 use crate::output;
 use crate::places;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Run a scenario on simulated robots, or with --live on real ones
 ///
@@ -77,8 +77,9 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         output::print_text(kind.text())?;
         return Ok(Outcome::Done);
     }
-    args.require
-        .check(&Figures::new(include_str!("../../figures/ctrl-run.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/ctrl-run.txt"
+    )))?;
     let named = args.named(context)?;
     let inputs = args.inputs(&named)?;
     let scenario = match (&named.spec.link, check::fitting(&named.spec.scenario)) {
@@ -336,7 +337,7 @@ struct Body<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     events: Vec<Event>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<testbed_sim::Figures>,
+    figures: Option<testbed_sim::RunFigures>,
     spec: &'a RunFile,
 }
 

@@ -21,7 +21,7 @@ use crate::inputs::{self, Input};
 use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Where the energy of drives went, against measured battery power where the log has it
 ///
@@ -57,7 +57,7 @@ pub(crate) struct EnergyArgs {
 
 pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
-        .check(&Figures::new(include_str!("../../figures/energy.txt")))?;
+        .check(&KnownFigures::new(include_str!("../../figures/energy.txt")))?;
     let vehicles: Vec<Vehicle> = args
         .vehicle
         .iter()

@@ -27,7 +27,7 @@ use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 use hold_out::HoldOutArgs;
 use trajectory::TrajectoryArgs;
 
@@ -120,18 +120,18 @@ pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outc
 
 impl EvaluateArgs {
     /// Those of the models that are evaluated.
-    fn figures(&self) -> anyhow::Result<Figures> {
+    fn figures(&self) -> anyhow::Result<KnownFigures> {
         Ok(match self.task {
             Task::Phases => {
                 let baselines = ModelKind::of(Subject::Phases).filter(|kind| kind.is_baseline());
                 let models = self.phase_models().into_iter().chain(baselines);
                 let names = models.map(ModelKind::name);
-                Figures::of(
+                KnownFigures::of(
                     include_str!("../../figures/evaluate.txt"),
                     names.map(str::to_owned),
                 )
             }
-            Task::Trajectory => Figures::of(
+            Task::Trajectory => KnownFigures::of(
                 include_str!("../../figures/evaluate-trajectory.txt"),
                 self.direct_names()?,
             ),

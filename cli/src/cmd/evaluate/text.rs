@@ -6,7 +6,7 @@ use driver_eval::behaviour::BehaviourEvaluation;
 use driver_eval::cruise::CruiseEvaluation;
 use driver_eval::following::{FollowingEvaluation, FollowingFold, FollowingSummary};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
-use driver_model::{ModelKind, PhaseKind, Trip};
+use driver_model::{DriveBehaviour, ModelKind, PhaseKind};
 
 use crate::render::table::{Table, number};
 use crate::words::plural;
@@ -22,7 +22,11 @@ pub(super) struct Heading {
     pub(super) vehicle: String,
 }
 
-pub(super) fn render(heading: &Heading, trips: &[Trip], findings: &BehaviourEvaluation) -> String {
+pub(super) fn render(
+    heading: &Heading,
+    trips: &[DriveBehaviour],
+    findings: &BehaviourEvaluation,
+) -> String {
     let mut text = String::new();
     for evaluation in findings.phases() {
         if !text.is_empty() {
@@ -46,7 +50,7 @@ pub(super) fn render(heading: &Heading, trips: &[Trip], findings: &BehaviourEval
     text
 }
 
-fn models(heading: &Heading, trips: &[Trip], evaluation: &Evaluation) -> String {
+fn models(heading: &Heading, trips: &[DriveBehaviour], evaluation: &Evaluation) -> String {
     let influenced: usize = trips
         .iter()
         .map(|t| match evaluation.kind {

@@ -8,7 +8,7 @@ use driver_eval::behaviour::contents_of;
 use driver_model::speed_ahead::DirectSettings;
 use driver_model::{
     DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, ModelKind, PointsOf,
-    Prior, Subject, TrainingInput, TrainingRecord, find_trips, fit_with,
+    Prior, Subject, TrainingInput, TrainingRecord, find_behaviour, fit_with,
 };
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Fit one model and write it to a file
 ///
@@ -97,7 +97,7 @@ enum Points {
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.check()?;
     args.require
-        .check(&Figures::new(include_str!("../../figures/fit.txt")))?;
+        .check(&KnownFigures::new(include_str!("../../figures/fit.txt")))?;
     let inputs = inputs::load_once(&args.logs, context)?;
     let prior_inputs = args.prior.inputs(&args.logs.reading, &inputs, context)?;
     let fitted = args.fit(&inputs, &prior_inputs, context)?;
@@ -152,7 +152,7 @@ impl FitArgs {
         });
         fit_with(self.model, &motions, prior, &settings, &finished).map_err(|error| match error {
             Error::TooFewPhases { .. } | Error::TooFewStretches { .. } => {
-                let trips = find_trips(&motions, &settings.phases, &|| {}).unwrap_or_default();
+                let trips = find_behaviour(&motions, &settings.phases, &|| {}).unwrap_or_default();
                 anyhow::anyhow!("{error}{}", contents_of(&trips))
             }
             error => error.into(),

@@ -16,7 +16,7 @@ use crate::inputs::{self, Input, Inputs};
 use crate::output;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// One page about a driver
 ///
@@ -52,8 +52,9 @@ pub(crate) struct PortraitArgs {
 }
 
 pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../../figures/portrait.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/portrait.txt"
+    )))?;
     let vehicle = args.vehicle.read()?;
     args.vehicle.mention(context);
     let settings = args.phases.settings();

@@ -18,7 +18,7 @@ use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 
 /// Predict the phases, the speed ahead or whole trips of logs with a fitted model
 ///
@@ -55,8 +55,9 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outcome> {
-    args.require
-        .check(&Figures::new(include_str!("../../figures/predict.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/predict.txt"
+    )))?;
     let file = super::model::read(&args.model)?;
     let inputs = inputs::load(&args.logs, context)?;
     let is_ahead = matches!(file.model, DriverModel::SpeedAhead(_));

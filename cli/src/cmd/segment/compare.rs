@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 
 use anyhow::Context as _;
 use drive_log::DriveLog;
-use driver_model::{Method, MethodFigures, Segmenter, StatisticalRules};
+use driver_eval::segmentation::Comparison;
+use driver_model::{MethodFigures, Segmenter};
 use serde::Serialize;
-use tseg::{Cost, Stop};
 
+use super::SegmentArgs;
 use super::flags::DEFAULT_THRESHOLD;
 use super::names::{ScaleArg, SegmentsArg};
-use super::{SegmentArgs, figures};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, ReadingArgs};
 use crate::inputs;
@@ -19,7 +19,7 @@ use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
-use crate::require::Figures;
+use crate::require::KnownFigures;
 
 /// The thesis takes as many, "to preserve the accuracy of the timing measurement".
 const FIRST_SAMPLES: usize = 3000;
@@ -60,10 +60,11 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         method: args.method.with_segments(SegmentsArg::Number(80)),
         ..args.clone()
     };
-    args.require.check(&Figures::new(include_str!(
+    args.require.check(&KnownFigures::new(include_str!(
         "../../figures/segment-compare.txt"
     )))?;
-    let methods = methods(args)?;
+    let comparison = comparison(args)?;
+    let methods = comparison.methods();
     let inputs = inputs::load(&args.logs, context)?;
     let logs = args.pieces(&inputs);
     let body = compared(&logs, &methods, context)?;
@@ -73,7 +74,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     let outcome = document.judged(&args.require)?;
     if let (Some(path), Some(log)) = (&args.report, logs.first()) {
         let mut report = serde_json::to_value(&document)?;
-        report["figures"] = figures::of(log, args)?;
+        report["figures"] = comparison.figures(log)?;
         let page = report::SEGMENTATION.filled(&report);
         write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
         note(context, &format!("report written to {}", path.display()));
@@ -100,27 +101,15 @@ fn config(args: &SegmentArgs) -> Config<'_> {
     }
 }
 
-/// The methods of the table, and two more.
-fn methods(args: &SegmentArgs) -> anyhow::Result<[(&'static str, Segmenter); 5]> {
-    let swab = args.method.unmerged_rules()?;
-    let threshold = args.method.threshold.unwrap_or(DEFAULT_THRESHOLD);
-    let dynamic = StatisticalRules {
-        method: Method::Dynamic {
-            segments: args.method.number_of_segments()?,
-            min_length: args.method.min_length,
-        },
-        cost: Cost::ZScale,
-        ..swab
-    };
-    let with = |method| Segmenter::Statistical(StatisticalRules { method, ..swab });
-    let stop = Stop::Keogh;
-    Ok([
-        ("dynamic", Segmenter::Statistical(dynamic)),
-        ("bottom-up", with(Method::BottomUp { threshold, stop })),
-        ("swab", Segmenter::Statistical(swab)),
-        ("sliding-window", with(Method::SlidingWindow { threshold })),
-        ("heuristic", Segmenter::Heuristic(args.method.heuristic())),
-    ])
+fn comparison(args: &SegmentArgs) -> anyhow::Result<Comparison> {
+    let method = &args.method;
+    Ok(Comparison {
+        heuristic: method.heuristic(),
+        swab: method.unmerged_rules()?,
+        threshold: method.threshold.unwrap_or(DEFAULT_THRESHOLD),
+        segments: method.number_of_segments()?,
+        min_length: method.min_length,
+    })
 }
 
 /// One log after the other: side by side they would slow each other down.

@@ -5,12 +5,12 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum as _};
 use driver_model::{HeuristicRules, Method, Scaling, Segmenter, Segments, StatisticalRules};
 use serde::Serialize;
+use tseg::{Cost, Refill, Stop};
 
+use crate::names::{name, named, optional_name};
 use crate::numbers;
 
-use super::names::{
-    CostName, MergeName, MethodName, RefillName, ScaleArg, SegmentsArg, StopName, pair,
-};
+use super::names::{MergeName, MethodName, ScaleArg, SegmentsArg, pair};
 
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Segmentation")]
@@ -28,20 +28,23 @@ pub(crate) struct MethodArgs {
     #[arg(long)]
     at_most: bool,
     /// Cost of a segment [default: mean-deviation; z-scale for dynamic]
-    #[arg(long, value_enum)]
-    cost: Option<CostName>,
+    #[arg(long, value_parser = named::<Cost>())]
+    #[serde(serialize_with = "optional_name")]
+    cost: Option<Cost>,
     /// Highest cost of a merged segment [default: 0.2 for mean-deviation; the others have no useful one]
     #[arg(long, value_parser = numbers::cost, value_name = "COST")]
     pub(super) threshold: Option<f64>,
     /// When bottom-up stops
-    #[arg(long, value_enum, default_value_t = StopName::Keogh)]
-    stop: StopName,
+    #[arg(long, value_parser = named::<Stop>(), default_value = "keogh")]
+    #[serde(serialize_with = "name")]
+    stop: Stop,
     /// Window of SWAB, in samples
     #[arg(long, default_value_t = 100, value_parser = numbers::samples, value_name = "SAMPLES")]
     pub(super) window: usize,
     /// How SWAB refills its window
-    #[arg(long, value_enum, default_value_t = RefillName::Keogh)]
-    refill: RefillName,
+    #[arg(long, value_parser = named::<Refill>(), default_value = "keogh")]
+    #[serde(serialize_with = "name")]
+    refill: Refill,
     /// Weights of speed and acceleration
     #[arg(long, value_delimiter = ',', num_args = 1, default_values_t = [1.8, 1.0], value_parser = numbers::weight, value_name = "V,A")]
     pub(super) weights: Vec<f64>,
@@ -69,11 +72,11 @@ impl MethodArgs {
     pub(super) fn resolved(&self, scaling: Scaling) -> anyhow::Result<Self> {
         let dynamic = self.method == MethodName::Dynamic;
         let cost = self.cost.unwrap_or(match self.method {
-            MethodName::Dynamic => CostName::ZScale,
-            _ => CostName::MeanDeviation,
+            MethodName::Dynamic => Cost::ZScale,
+            _ => Cost::MeanDeviation,
         });
         let needs_threshold = !dynamic && self.method != MethodName::Heuristic;
-        if needs_threshold && self.threshold.is_none() && cost != CostName::MeanDeviation {
+        if needs_threshold && self.threshold.is_none() && cost != Cost::MeanDeviation {
             bail!(
                 "--threshold is missing: its default, {DEFAULT_THRESHOLD}, belongs to --cost mean-deviation"
             );
@@ -128,13 +131,13 @@ impl MethodArgs {
             },
             MethodName::BottomUp => Method::BottomUp {
                 threshold,
-                stop: self.stop.into(),
+                stop: self.stop,
             },
             MethodName::SlidingWindow => Method::SlidingWindow { threshold },
             MethodName::Heuristic | MethodName::Swab => Method::Swab {
                 threshold,
                 window: self.window,
-                refill: self.refill.into(),
+                refill: self.refill,
             },
         };
         if self.weights.iter().all(|weight| *weight <= 0.0) {
@@ -144,7 +147,7 @@ impl MethodArgs {
         Ok(StatisticalRules {
             accel_deadband_mps2: self.accel_deadband,
             method,
-            cost: self.cost.map_or(defaults.cost, Into::into),
+            cost: self.cost.unwrap_or(defaults.cost),
             weights: pair(
                 "--weights",
                 "for speed and acceleration, such as 1.8,1",

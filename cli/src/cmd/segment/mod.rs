@@ -1,7 +1,6 @@
 //! `drivekit segment`: plain, compared (`--compare`) and live (`--follow`).
 
 mod compare;
-mod figures;
 mod flags;
 mod follow;
 mod names;
@@ -26,7 +25,7 @@ use crate::numbers;
 use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{Figures, RequireArgs};
+use crate::require::{KnownFigures, RequireArgs};
 use flags::MethodArgs;
 
 pub(crate) use flags::refuse_idle;
@@ -93,8 +92,9 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     if args.compare {
         return compare::run(args, context);
     }
-    args.require
-        .check(&Figures::new(include_str!("../../figures/segment.txt")))?;
+    args.require.check(&KnownFigures::new(include_str!(
+        "../../figures/segment.txt"
+    )))?;
     let segmenter = args.method.segmenter()?;
     let inputs = inputs::load(&args.logs, context)?;
     let (logs, left_out) = long_enough(args.pieces(&inputs), &segmenter)?;

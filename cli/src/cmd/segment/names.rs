@@ -8,21 +8,6 @@ use driver_model::Scaling;
 use serde::Serialize;
 use tseg::Similarity;
 
-macro_rules! names {
-    ($(#[$doc:meta])* $name:ident for $target:ty { $($(#[$variant_doc:meta])* $variant:ident => $value:expr),* $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-        #[serde(rename_all = "kebab-case")]
-        pub(crate) enum $name { $($(#[$variant_doc])* $variant),* }
-
-        impl From<$name> for $target {
-            fn from(name: $name) -> Self {
-                match name { $($name::$variant => $value),* }
-            }
-        }
-    };
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum MethodName {
@@ -51,41 +36,6 @@ pub(crate) enum MergeName {
     Association,
     /// By percentile similarity
     Percentile,
-}
-
-names! {
-    CostName for tseg::Cost {
-        /// Sum of deviations over the standard deviation (3.19)
-        ZScale => tseg::Cost::ZScale,
-        /// Mean deviation (3.22)
-        MeanDeviation => tseg::Cost::MeanDeviation,
-        /// Sum of squared deviations
-        SquaredError => tseg::Cost::SquaredError,
-    }
-}
-
-names! {
-    StopName for tseg::Stop {
-        /// Before a merged segment would cost more than the threshold
-        Keogh => tseg::Stop::Keogh,
-        /// Once a segment costs more than the threshold
-        SegmentMax => tseg::Stop::SegmentMax,
-        /// Once any possible merge would (Algorithm 3 as printed)
-        CandidateMax => tseg::Stop::CandidateMax,
-        /// Before all segments together would
-        Total => tseg::Stop::Total,
-    }
-}
-
-names! {
-    RefillName for tseg::Refill {
-        /// Sliding-window segments until the window is half full
-        Keogh => tseg::Refill::Keogh,
-        /// One segment including the crossing sample (Algorithm 4)
-        Literal => tseg::Refill::Literal,
-        /// Single samples up to the window length
-        Fixed => tseg::Refill::Fixed,
-    }
 }
 
 /// A number of segments, or `auto`.

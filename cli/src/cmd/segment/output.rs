@@ -4,11 +4,11 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use drive_log::{Channel, DriveLog};
-use driver_model::{LeftOut, Optimality, PhaseKind, Segmented, StreamedPhase};
+use driver_model::{LeftOut, Optimality, PhaseKind, Segmented, Span, StreamedPhase};
+use report::picture::{self, Behaviour, SpeedPlot, Stretch};
 use serde::Serialize;
 
 use crate::inputs::Input;
-use crate::render::svg::{self, SpeedPlot};
 use crate::render::table::{Table, number};
 
 #[derive(Serialize)]
@@ -123,10 +123,23 @@ pub(super) fn plot(logs: &[Cow<'_, DriveLog>], segmented: &[Segmented]) -> anyho
             step_s: log.step_s(),
             speed_mps: log.speed_mps(),
             speed_limit_mps: log.channel(Channel::SpeedLimit),
-            segments: &segmented.phases,
+            stretches: segmented.phases.iter().map(stretch).collect(),
         })
         .collect();
-    Ok(svg::speed_with_phases(&plots)?)
+    Ok(picture::speed_with_phases(&plots)?)
+}
+
+fn stretch(phase: &Span) -> Stretch {
+    Stretch {
+        samples: phase.start..phase.end,
+        behaviour: match phase.kind {
+            _ if phase.lead_influenced => Behaviour::LeadInfluenced,
+            PhaseKind::Acceleration => Behaviour::Acceleration,
+            PhaseKind::Braking => Behaviour::Braking,
+            PhaseKind::Cruise => Behaviour::Cruise,
+            PhaseKind::Other => Behaviour::Other,
+        },
+    }
 }
 
 pub(super) fn text(

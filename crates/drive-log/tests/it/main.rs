@@ -22,6 +22,8 @@ mod quality;
 mod real_data;
 mod resample;
 mod roundtrip;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;
 mod shared_cases;
 mod times;
 mod twins;

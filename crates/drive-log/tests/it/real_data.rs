@@ -1,6 +1,6 @@
 //! Recorded drives, where they are at hand.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use drive_log::{
     Action, Channel, Drive, DriveIndex, Finding, FindingKind, LayoutChoice, Preparation, prepare,
@@ -8,15 +8,14 @@ use drive_log::{
 };
 use rayon::prelude::*;
 
+use crate::shared::shared;
+
 /// The files of a folder of recorded data, none if the folder is absent.
 fn files(folder: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(folder);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: no recorded data in {}", folder.display());
+    let Some(folder) = shared(&format!("data/{folder}")) else {
         return Vec::new();
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
     files

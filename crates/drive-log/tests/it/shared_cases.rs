@@ -1,27 +1,16 @@
 //! Logs that go wrong elsewhere, where they are at hand: each opens with its right values, or is
 //! refused with the cure.
 
-use std::path::{Path, PathBuf};
-
 use drive_log::{Drive, Layout, LayoutChoice, Preparation, prepare, read_file};
 
-/// A file among the cases, `None` where they are not there.
-fn case(path: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let path = folder.join(path);
-    if !path.exists() {
-        eprintln!("skipped: no {}", path.display());
-        return None;
-    }
-    Some(path)
-}
+use crate::shared::shared;
 
 fn drives(path: &str, layout: Option<&str>) -> Result<Vec<Drive>, String> {
-    let Some(file) = case(&format!("cases/cars/{path}")) else {
+    let Some(file) = shared(&format!("cases/cars/{path}")) else {
         return Err(String::new());
     };
     let layout = layout.map_or(LayoutChoice::Auto, |name| {
-        let layout = case(&format!("cases/cars/{name}")).unwrap();
+        let layout = shared(&format!("cases/cars/{name}")).unwrap();
         let text = std::fs::read_to_string(layout).unwrap();
         LayoutChoice::Described(Layout::from_toml_str(name, &text).unwrap())
     });
@@ -34,7 +23,7 @@ fn drives(path: &str, layout: Option<&str>) -> Result<Vec<Drive>, String> {
 
 /// Distances in km, one per drive.
 fn distances(path: &str, layout: Option<&str>, expected_km: &[f64]) {
-    if case(&format!("cases/cars/{path}")).is_none() {
+    if shared(&format!("cases/cars/{path}")).is_none() {
         return;
     }
     let drives = drives(path, layout).unwrap();
@@ -49,7 +38,7 @@ fn distances(path: &str, layout: Option<&str>, expected_km: &[f64]) {
 }
 
 fn refused(path: &str, layout: Option<&str>, words: &[&str]) {
-    if case(&format!("cases/cars/{path}")).is_none() {
+    if shared(&format!("cases/cars/{path}")).is_none() {
         return;
     }
     let error = drives(path, layout).expect_err(path);
@@ -197,7 +186,7 @@ fn one_drive_per_trip_and_car() {
 fn the_trips_of_the_naturalistic_driving_study() {
     for (driver, trips) in [("A", ["5", "12", "18"]), ("B", ["8", "13", "18"])] {
         let path = format!("../../data/nds-br/driver_{driver}.csv.gz");
-        if case(&format!("cases/cars/{path}")).is_none() {
+        if shared(&format!("cases/cars/{path}")).is_none() {
             return;
         }
         let drives = drives(&path, Some("nds-limit.toml")).unwrap();

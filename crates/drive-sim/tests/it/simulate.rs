@@ -8,7 +8,7 @@ use drive_sim::{
     simulate,
 };
 use driver_model::{
-    ModelKind, Motion, PhaseCurve, PhaseKind, PhaseModel, PhaseSettings, Span, Trip,
+    DriveBehaviour, ModelKind, Motion, PhaseCurve, PhaseKind, PhaseModel, PhaseSettings, Span,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -264,9 +264,9 @@ fn read_back(drive: &SimulatedDrive) -> (usize, Drive) {
 }
 
 /// Phases as the heuristic route finds them.
-pub(crate) fn found(drive: &SimulatedDrive) -> Trip {
+pub(crate) fn found(drive: &SimulatedDrive) -> DriveBehaviour {
     let motions = Motion::of_drive(&read_back(drive).1, 100.0).unwrap();
-    Trip::of_drive(&motions, &PhaseSettings::default()).unwrap()
+    DriveBehaviour::of_drive(&motions, &PhaseSettings::default()).unwrap()
 }
 
 #[test]

@@ -1,28 +1,28 @@
 //! What drives have that models learn from.
 
-use driver_model::{LeftOut, Trip};
+use driver_model::{DriveBehaviour, LeftOut};
 
 use crate::words::plural;
 
 /// Drives without a phase or stretch that counts.
-pub(super) fn without_anything(trips: &[Trip]) -> Vec<LeftOut> {
-    let empty = |trip: &&Trip| {
+pub(super) fn without_anything(trips: &[DriveBehaviour]) -> Vec<LeftOut> {
+    let empty = |trip: &&DriveBehaviour| {
         trip.phases.is_empty() && trip.cruise.is_empty() && trip.following.is_empty()
     };
-    let left_out = |trip: &Trip| LeftOut::new(&trip.name, contents(trip));
+    let left_out = |trip: &DriveBehaviour| LeftOut::new(&trip.name, contents(trip));
     trips.iter().filter(empty).map(left_out).collect()
 }
 
 /// What every drive has, a line each, for the error that it is not enough.
 #[must_use]
-pub fn contents_of(trips: &[Trip]) -> String {
-    let line = |trip: &Trip| format!("\n  {}: {}", trip.name, contents(trip));
+pub fn contents_of(trips: &[DriveBehaviour]) -> String {
+    let line = |trip: &DriveBehaviour| format!("\n  {}: {}", trip.name, contents(trip));
     trips.iter().map(line).collect()
 }
 
 /// What a drive has, in words.
 #[must_use]
-pub fn contents(trip: &Trip) -> String {
+pub fn contents(trip: &DriveBehaviour) -> String {
     let behind = trip.lead_influenced;
     let mut has: Vec<String> = [
         (trip.phases.len(), "phase"),

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use driver_model::cruise::CruiseModel;
 use driver_model::following::{FollowingModel, FollowingStretch};
 use driver_model::phase_model::{GroupResponse, PredictiveBand, StepResponse, identify};
-use driver_model::{AccelDensity, FunctionFit, LeftOut, ModelKind, PhaseKind, PhaseModel, Trip};
+use driver_model::{
+    AccelDensity, DriveBehaviour, FunctionFit, LeftOut, ModelKind, PhaseKind, PhaseModel,
+};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -20,7 +22,7 @@ use crate::phase::{
     PhasePrediction, Summary,
 };
 use crate::units::{UnitKind, Units, UnitsEntry};
-use crate::words::plural;
+use crate::words::{plural, rounded};
 
 /// What a document says of a [`BehaviourEvaluation`].
 #[derive(Debug, Serialize)]
@@ -243,7 +245,11 @@ impl<'a> FoldEntry<'a> {
 
 /// The document with every curve, for the report.
 #[must_use]
-pub fn with_curves(mut document: Value, findings: &BehaviourEvaluation, trips: &[Trip]) -> Value {
+pub fn with_curves(
+    mut document: Value,
+    findings: &BehaviourEvaluation,
+    trips: &[DriveBehaviour],
+) -> Value {
     document["phases"] = findings.acceleration.as_ref().map_or(json!([]), phases);
     if let Some(braking) = &findings.braking {
         document["braking"]["phases"] = phases(braking);
@@ -313,7 +319,7 @@ fn gaps(stretch: &FollowingStretch, fold: &FollowingFold) -> Value {
     })
 }
 
-fn means(kind: PhaseKind, trips: &[Trip]) -> Vec<[f64; 2]> {
+fn means(kind: PhaseKind, trips: &[DriveBehaviour]) -> Vec<[f64; 2]> {
     let segments = trips.iter().flat_map(|trip| trip.segments_of(kind));
     segments
         .map(|s| [s.mean.speed_mps, s.mean.accel_mps2].map(to_hundredths))
@@ -333,7 +339,7 @@ fn phases(evaluation: &Evaluation) -> Value {
             "start_s": phase.curve.start_s(),
             "step_s": outline.step_s,
             "group": outline.group().name(),
-            "measured_mps": rounded(phase.curve.speed_mps()),
+            "measured_mps": hundredths(phase.curve.speed_mps()),
             "energy_j": phase.energy_j,
             "predictions": predictions,
         })
@@ -343,7 +349,7 @@ fn phases(evaluation: &Evaluation) -> Value {
 
 fn prediction(p: &PhasePrediction, energy_j: f64) -> Value {
     let mut entry = json!({
-        "speed_mps": rounded(&p.speed_mps),
+        "speed_mps": hundredths(&p.speed_mps),
         "energy_j": energy_j,
         "rmse_mps": p.rmse_mps,
         "in_band_pct": p.in_band_pct,
@@ -360,10 +366,10 @@ fn prediction(p: &PhasePrediction, energy_j: f64) -> Value {
     entry
 }
 
-fn rounded(speed_mps: &[f64]) -> Vec<f64> {
-    speed_mps.iter().map(|&v| to_hundredths(v)).collect()
+fn hundredths(speed_mps: &[f64]) -> Vec<f64> {
+    speed_mps.iter().map(|v| to_hundredths(*v)).collect()
 }
 
 fn to_hundredths(value: f64) -> f64 {
-    (value * 1e2).round() / 1e2
+    rounded(value, 2)
 }

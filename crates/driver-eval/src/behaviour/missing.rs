@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use driver_model::{Error as ModelError, Trip};
+use driver_model::{DriveBehaviour, Error as ModelError};
 
 use super::contents::contents_of;
 use crate::Error;
@@ -37,7 +37,7 @@ impl Missing {
     /// The parts, or the error of drives that have nothing to evaluate.
     pub(super) fn unless_everything(
         self,
-        trips: &[Trip],
+        trips: &[DriveBehaviour],
     ) -> Result<BTreeMap<&'static str, String>, Error> {
         if self.parts.len() < PARTS {
             return Ok(self.parts);

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use driver_model::following::FollowingStretch;
 use driver_model::phase_model::TransitionPoint;
 use driver_model::{
-    Error as ModelError, FunctionFit, LeftOut, PhaseKind, TrainingSet, Trip, function_fits,
+    DriveBehaviour, Error as ModelError, FunctionFit, LeftOut, PhaseKind, TrainingSet,
+    function_fits,
 };
 use ev_energy::Vehicle;
 
@@ -124,7 +125,7 @@ impl BehaviourEvaluation {
     }
 }
 
-fn systems(trips: &[Trip]) -> Result<Option<TransitionPoint>, Error> {
+fn systems(trips: &[DriveBehaviour]) -> Result<Option<TransitionPoint>, Error> {
     let training = TrainingSet::from_trips(PhaseKind::Acceleration, trips);
     match TransitionPoint::fit(&training) {
         Err(ModelError::TooFewPhases { .. } | ModelError::Fit { .. }) => Ok(None),

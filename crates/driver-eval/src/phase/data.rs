@@ -1,20 +1,20 @@
-use driver_model::{PhaseKind, Trip};
+use driver_model::{DriveBehaviour, PhaseKind};
 
 use crate::{Error, HoldOut};
 
 /// The trips of an evaluation, in units that are held out together.
 #[derive(Debug, Clone)]
 pub struct EvaluationData<'a> {
-    pub(super) trips: &'a [Trip],
+    pub(super) trips: &'a [DriveBehaviour],
     /// Trips of other drivers, never held out.
-    pub(super) prior: &'a [Trip],
+    pub(super) prior: &'a [DriveBehaviour],
     pub(super) hold_out: HoldOut,
 }
 
 impl<'a> EvaluationData<'a> {
     /// Every trip is a unit of its own.
     #[must_use]
-    pub fn by_trip(trips: &'a [Trip]) -> Self {
+    pub fn by_trip(trips: &'a [DriveBehaviour]) -> Self {
         Self {
             hold_out: HoldOut::one_by_one(trips.iter().map(|trip| trip.name.clone())),
             prior: &[],
@@ -24,7 +24,7 @@ impl<'a> EvaluationData<'a> {
 
     /// Trips with the same name of unit (a file, a driver) are held out together; `unit_names` has one for every trip.
     #[must_use]
-    pub fn by_unit(trips: &'a [Trip], unit_names: &[String]) -> Self {
+    pub fn by_unit(trips: &'a [DriveBehaviour], unit_names: &[String]) -> Self {
         Self {
             hold_out: HoldOut::by_unit(unit_names),
             prior: &[],
@@ -34,20 +34,20 @@ impl<'a> EvaluationData<'a> {
 
     /// Adds trips of other drivers, from which every model learns as well.
     #[must_use]
-    pub fn with_prior(mut self, prior: &'a [Trip]) -> Self {
+    pub fn with_prior(mut self, prior: &'a [DriveBehaviour]) -> Self {
         self.prior = prior;
         self
     }
 
     /// The trips that are held out.
     #[must_use]
-    pub fn trips(&self) -> &'a [Trip] {
+    pub fn trips(&self) -> &'a [DriveBehaviour] {
         self.trips
     }
 
     /// Stretches of all trips, those of a unit together, and how they are held out.
     #[must_use]
-    pub fn stretches<T: Clone>(&self, of: fn(&Trip) -> &[T]) -> (Vec<T>, HoldOut) {
+    pub fn stretches<T: Clone>(&self, of: fn(&DriveBehaviour) -> &[T]) -> (Vec<T>, HoldOut) {
         let mut by_unit: Vec<(usize, &T)> = Vec::new();
         for (trip, &unit) in self.trips.iter().zip(self.hold_out.unit_of()) {
             by_unit.extend(of(trip).iter().map(|stretch| (unit, stretch)));
@@ -61,7 +61,7 @@ impl<'a> EvaluationData<'a> {
     pub(super) fn trips_where(
         &self,
         counts: impl Fn(usize) -> bool,
-    ) -> impl Iterator<Item = &'a Trip> {
+    ) -> impl Iterator<Item = &'a DriveBehaviour> {
         let trips = self.trips.iter().zip(self.hold_out.unit_of());
         trips.filter_map(move |(trip, &unit)| counts(unit).then_some(trip))
     }

@@ -25,7 +25,7 @@ pub use learning_curve::{LearningPoint, TrainingSource, learning_curve};
 pub use paired::{PairedComparison, Verdict};
 pub use prediction::PhasePrediction;
 use summary::summarise;
-pub use summary::{EnergyError, Figures, Summary};
+pub use summary::{EnergyError, PhaseFigures, Summary};
 
 /// Weight of a phase of other drivers beside 1 for an own one: own phases count three times.
 pub const DEFAULT_PRIOR_WEIGHT: f64 = 0.33;

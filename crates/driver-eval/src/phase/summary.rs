@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use driver_model::statistics::{mean, quantile};
+use driver_model::statistics::{mean, median};
 use driver_model::{ModelKind, SpeedGroup};
 use serde::Serialize;
 
@@ -19,7 +19,7 @@ pub struct EnergyError {
 
 /// How well phases are predicted. Means over phases, every phase with the same weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Figures {
+pub struct PhaseFigures {
     /// Held-out phases.
     pub phases: usize,
     /// Mean root mean square error, the main figure.
@@ -45,7 +45,7 @@ pub struct Summary {
     pub knows: &'static str,
     /// Over all phases.
     #[serde(flatten)]
-    pub figures: Figures,
+    pub figures: PhaseFigures,
     /// Full width of the band.
     pub band_kmh: f64,
     /// Seconds of fitting, over all folds.
@@ -55,7 +55,7 @@ pub struct Summary {
     /// Phases predicted with a parameter of another speed group.
     pub fallback_phases: usize,
     /// The same figures by speed group.
-    pub groups: BTreeMap<String, Figures>,
+    pub groups: BTreeMap<String, PhaseFigures>,
 }
 
 pub(super) fn summarise(
@@ -75,7 +75,7 @@ pub(super) fn summarise(
     };
     Summary {
         knows: kind.knows(),
-        figures: Figures::of(index, &all),
+        figures: PhaseFigures::of(index, &all),
         band_kmh: band_mps * 3.6,
         fit_seconds: seconds(|f| f.fit_seconds),
         predict_seconds: seconds(|f| f.predict_seconds),
@@ -87,7 +87,7 @@ pub(super) fn summarise(
     }
 }
 
-fn by_group(index: usize, phases: &[EvaluatedPhase]) -> BTreeMap<String, Figures> {
+fn by_group(index: usize, phases: &[EvaluatedPhase]) -> BTreeMap<String, PhaseFigures> {
     let mut members = BTreeMap::<SpeedGroup, Vec<&EvaluatedPhase>>::new();
     for phase in phases {
         members
@@ -97,11 +97,11 @@ fn by_group(index: usize, phases: &[EvaluatedPhase]) -> BTreeMap<String, Figures
     }
     members
         .into_iter()
-        .map(|(group, own)| (group.name(), Figures::of(index, &own)))
+        .map(|(group, own)| (group.name(), PhaseFigures::of(index, &own)))
         .collect()
 }
 
-impl Figures {
+impl PhaseFigures {
     /// Of the model with this index; NaN without a phase.
     fn of(index: usize, phases: &[&EvaluatedPhase]) -> Self {
         let own = || phases.iter().map(|p| &p.predictions[index]);
@@ -115,22 +115,16 @@ impl Figures {
         Self {
             phases: phases.len(),
             rmse_mps: average(|p| p.rmse_mps),
-            rmse_median_mps: median(own().map(|p| p.rmse_mps).collect()),
+            rmse_median_mps: median(own().map(|p| p.rmse_mps).collect()).unwrap_or(f64::NAN),
             sqrt_sse_per_sample_mps: average(|p| p.sqrt_sse_per_sample_mps),
             in_band_pct,
             out_of_band_pct: 100.0 - in_band_pct,
             energy_error_j: EnergyError {
                 mean: mean(energy.iter().copied()).unwrap_or(f64::NAN),
                 mean_abs: mean(energy.iter().map(|e| e.abs())).unwrap_or(f64::NAN),
-                median: median(energy),
+                median: median(energy).unwrap_or(f64::NAN),
             },
             final_speed_error_mps: average(|p| p.final_speed_error_mps),
         }
     }
-}
-
-/// NaN without values.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    quantile(&values, 0.5).unwrap_or(f64::NAN)
 }

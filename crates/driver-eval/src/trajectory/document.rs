@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::free_run::{FreeRuns, curve};
-use super::{Trajectories, rounded};
+use super::{Trajectories, millimetres};
 use crate::Error;
 use crate::speed_ahead::TrajectoryData;
 use crate::speed_ahead::{
@@ -97,7 +97,7 @@ struct Trial<'a> {
     #[serde(flatten)]
     summary: Option<TripSummary>,
     fits: Vec<Fit>,
-    by_trip: Vec<Trip<'a>>,
+    by_trip: Vec<TripEntry<'a>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -116,7 +116,7 @@ struct Fit {
 }
 
 #[derive(Debug, Serialize)]
-struct Trip<'a> {
+struct TripEntry<'a> {
     drive: &'a str,
     #[serde(flatten)]
     figures: &'a TripFigures,
@@ -210,7 +210,7 @@ impl Entry {
 
 impl<'a> Trial<'a> {
     fn new(result: &'a TrialResult, data: &'a TrajectoryData) -> Self {
-        let trip = |trip: &'a TrialTrip| Trip {
+        let trip = |trip: &'a TrialTrip| TripEntry {
             drive: data.motions[trip.motion].name(),
             figures: &trip.figures,
         };
@@ -263,7 +263,7 @@ pub fn with_curves(mut document: Value, trajectories: &Trajectories) -> Result<V
         .unwrap_or(shown);
     let predicted = evaluation.trials.iter().filter_map(|result| {
         let trip = result.trips.iter().find(|trip| trip.motion == shown)?;
-        Some(json!({ "trial": result.trial.number(), "speed_mps": rounded(trip.speed_mps.iter().copied()) }))
+        Some(json!({ "trial": result.trial.number(), "speed_mps": millimetres(trip.speed_mps.iter().copied()) }))
     });
     document["curves"] = json!({
         "shown": drive(motion),
@@ -278,7 +278,7 @@ fn drive(motion: &driver_model::Motion) -> Value {
     json!({
         "name": motion.name(),
         "step_s": motion.step_s(),
-        "speed_mps": rounded(motion.speed_mps().iter().copied()),
-        "limit_mps": motion.limit_mps().map(|limit| rounded(limit.iter().copied())),
+        "speed_mps": millimetres(motion.speed_mps().iter().copied()),
+        "limit_mps": motion.limit_mps().map(|limit| millimetres(limit.iter().copied())),
     })
 }

@@ -6,7 +6,7 @@ use driver_model::trip_driver::FreeRun;
 use ev_energy::Vehicle;
 use serde_json::{Value, json};
 
-use super::rounded;
+use super::millimetres;
 use crate::Error;
 use crate::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
 
@@ -66,11 +66,11 @@ pub(super) fn curve(motions: &[Motion], runs: &FreeRuns) -> Result<Option<Value>
 fn measured(motion: &Motion, duration_s: f64) -> Value {
     let stride = motion.samples_in(1.0);
     let last = (duration_s / motion.step_s()) as usize;
-    let every = |values: &[f64]| rounded(values.iter().take(last + 1).step_by(stride).copied());
+    let every = |values: &[f64]| millimetres(values.iter().take(last + 1).step_by(stride).copied());
     json!({ "speed_mps": every(motion.speed_mps()), "distance_m": every(motion.distance_m()) })
 }
 
 fn predicted(run: &FreeRun) -> Value {
-    let of = |values: &[f64]| rounded(values.iter().copied());
+    let of = |values: &[f64]| millimetres(values.iter().copied());
     json!({ "speed_mps": of(&run.speed_mps), "distance_m": of(&run.position_m) })
 }

@@ -13,7 +13,7 @@ use crate::speed_ahead::{
     TrajectoryData, TrajectoryEvaluation, TrajectorySettings, evaluate_trajectory,
 };
 use crate::trip_driver::FreeRunSettings;
-use crate::words::plural;
+use crate::words::{plural, rounded};
 pub use document::{TrajectoryDocument, with_curves};
 pub use free_run::FreeRuns;
 
@@ -162,6 +162,6 @@ fn without_limits(motions: &[Motion]) -> String {
 }
 
 /// To a millimetre per second, which no picture shows; not a number becomes null.
-fn rounded(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    values.map(|value| (value * 1e3).round() / 1e3).collect()
+fn millimetres(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.map(|value| rounded(value, 3)).collect()
 }

@@ -4,8 +4,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{Evaluation, EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{ConditionedProfile, Conditioning};
 use driver_model::{
-    DriverModel, Error, ModelFile, ModelKind, Onset, Phase, PhaseCurve, PhaseKind, PhaseModel,
-    PhaseSettings, TrainingRecord, Trip,
+    DriveBehaviour, DriverModel, Error, ModelFile, ModelKind, Onset, Phase, PhaseCurve, PhaseKind,
+    PhaseModel, PhaseSettings, TrainingRecord,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -102,10 +102,12 @@ fn simulated(kind: PhaseKind, seed: u64) -> Evaluation {
         drives: 16,
         ..SynthSettings::default()
     };
-    let trips: Vec<Trip> = simulate(&settings, &vehicle)
+    let trips: Vec<DriveBehaviour> = simulate(&settings, &vehicle)
         .unwrap()
         .into_iter()
-        .map(|drive| Trip::of_drive(&[motion_of(&drive.log)], &PhaseSettings::default()).unwrap())
+        .map(|drive| {
+            DriveBehaviour::of_drive(&[motion_of(&drive.log)], &PhaseSettings::default()).unwrap()
+        })
         .collect();
     let settings = EvaluationSettings {
         models: vec![ModelKind::ProfileConditioned, ModelKind::ProfileOnset],

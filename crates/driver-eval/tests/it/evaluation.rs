@@ -1,18 +1,17 @@
 //! Leave-one-out on simulated drives, and on recorded ones where they are at hand.
 
-use std::path::Path;
-
 use driver_eval::Error;
 use driver_eval::phase::{
     Evaluation, EvaluationData, EvaluationSettings, Fold, LearningPoint, TrainingSource,
     learning_curve, leave_one_out,
 };
-use driver_model::{ModelKind, PhaseKind, PhaseModel, Subject, Trip};
+use driver_model::{DriveBehaviour, ModelKind, PhaseKind, PhaseModel, Subject};
 use ev_energy::Vehicle;
 
+use crate::shared::shared;
 use crate::support::{assorted, fixture_trips, points_of, trip_of, trips_in};
 
-fn evaluate(trips: &[Trip]) -> Evaluation {
+fn evaluate(trips: &[DriveBehaviour]) -> Evaluation {
     let vehicle = Vehicle::builtin("b250e").unwrap();
     leave_one_out(
         PhaseKind::Acceleration,
@@ -52,7 +51,7 @@ fn the_result_does_not_depend_on_the_number_of_threads() {
 fn every_model_and_baseline_is_judged_on_every_phase() {
     let trips = fixture_trips(4);
     let evaluation = evaluate(&trips);
-    let accelerations = |t: &Trip| t.phases_of(PhaseKind::Acceleration).count();
+    let accelerations = |t: &DriveBehaviour| t.phases_of(PhaseKind::Acceleration).count();
     let phases: usize = trips.iter().map(accelerations).sum();
     let all: Vec<ModelKind> = ModelKind::of(Subject::Phases).collect();
     assert_eq!(evaluation.models, all);
@@ -98,7 +97,7 @@ fn one_trip_or_no_phase_is_an_error() {
     let vehicle = Vehicle::builtin("b250e").unwrap();
     let settings = EvaluationSettings::default();
     let mut trips = fixture_trips(4);
-    let run = |trips: &[Trip]| {
+    let run = |trips: &[DriveBehaviour]| {
         let data = EvaluationData::by_trip(trips);
         leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {})
     };
@@ -116,11 +115,9 @@ fn one_trip_or_no_phase_is_an_error() {
 
 #[test]
 fn on_recorded_drives_the_mean_shape_beats_every_baseline() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/bmw-i3");
-    if !folder.is_dir() {
-        eprintln!("skipped: no recorded drives beside the project");
+    let Some(folder) = shared("data/bmw-i3") else {
         return;
-    }
+    };
     let evaluation = evaluate(&trips_in(&folder, "csv", 8));
     let rmse = |kind| {
         let index = evaluation.models.iter().position(|&m| m == kind).unwrap();
@@ -141,7 +138,7 @@ fn units(names: &[&str]) -> Vec<String> {
 }
 
 /// Half the speed everywhere, and points of three times the acceleration.
-fn changed(trip: &Trip) -> Trip {
+fn changed(trip: &DriveBehaviour) -> DriveBehaviour {
     let mut changed = trip.clone();
     changed.phases = assorted(12);
     for segment in &mut changed.segments {
@@ -155,7 +152,7 @@ fn phases_of_one_unit_never_train_that_unit() {
     let trips = fixture_trips(6);
     let names = units(&["a", "b", "a", "c", "c", "b"]);
     let vehicle = Vehicle::builtin("b250e").unwrap();
-    let run = |trips: &[Trip]| {
+    let run = |trips: &[DriveBehaviour]| {
         let data = EvaluationData::by_unit(trips, &names);
         let settings = EvaluationSettings::default();
         leave_one_out(PhaseKind::Acceleration, &data, &vehicle, &settings, &|| {}).unwrap()
@@ -198,7 +195,7 @@ fn a_prior_of_weight_0_changes_nothing_and_is_never_held_out() {
     let trips = fixture_trips(6);
     let (own, prior) = trips.split_at(3);
     let vehicle = Vehicle::builtin("b250e").unwrap();
-    let run = |prior: &[Trip], prior_weight: f64| {
+    let run = |prior: &[DriveBehaviour], prior_weight: f64| {
         let data = EvaluationData::by_trip(own).with_prior(prior);
         let settings = EvaluationSettings {
             prior_weight,
@@ -217,7 +214,7 @@ fn a_prior_of_weight_0_changes_nothing_and_is_never_held_out() {
 #[test]
 fn a_model_with_too_little_to_learn_is_left_out_and_the_others_stay() {
     let curves = assorted(12);
-    let trips: Vec<Trip> = curves
+    let trips: Vec<DriveBehaviour> = curves
         .chunks(4)
         .map(|own| trip_of("few", own.to_vec(), &points_of(own)))
         .collect();
@@ -245,7 +242,7 @@ fn a_model_with_too_little_to_learn_is_left_out_and_the_others_stay() {
     }
 }
 
-fn curve_of_profile(trips: &[Trip], prior: &[Trip]) -> Vec<LearningPoint> {
+fn curve_of_profile(trips: &[DriveBehaviour], prior: &[DriveBehaviour]) -> Vec<LearningPoint> {
     let data = EvaluationData::by_trip(trips).with_prior(prior);
     let settings = EvaluationSettings {
         models: vec![ModelKind::Profile, ModelKind::Straight],

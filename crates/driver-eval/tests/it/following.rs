@@ -1,7 +1,6 @@
 //! Car following: known parameters come back from simulated stretches, and recorded platoons are followed.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use drive_log::{Channel, DriveLog, LayoutChoice, Preparation, prepare, read_file};
 use driver_eval::HoldOut;
@@ -13,6 +12,7 @@ use driver_model::following::{
 };
 use proptest::prelude::*;
 
+use crate::shared::shared;
 use crate::support::motion_of;
 
 const IDM: FollowingModel = FollowingModel::Idm {
@@ -292,13 +292,11 @@ proptest! {
 /// Two platoons on a handling course, human drivers; a fit to one of them follows in the other.
 #[test]
 fn recorded_platoons_are_followed() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/openacc");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: no recorded data in {}", folder.display());
+    let Some(folder) = shared("data/openacc") else {
         return;
     };
     let (mut stretches, mut files) = (Vec::new(), Vec::new());
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).unwrap() {
         let file = entry.unwrap().path();
         for log in read_file(&file, &LayoutChoice::Auto).unwrap().logs {
             for piece in prepare(log, &Preparation::default()).unwrap().pieces {

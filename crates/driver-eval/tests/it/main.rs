@@ -13,6 +13,8 @@ mod cruise;
 mod evaluation;
 mod following;
 mod free_run;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;
 #[allow(dead_code, reason = "for the tests of models too")]
 #[path = "../../../driver-model/tests/it/support.rs"]
 mod support;

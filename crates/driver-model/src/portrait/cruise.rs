@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Distribution;
-use crate::Trip;
+use crate::DriveBehaviour;
 
 /// Speed against one limit while cruising without a leader.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -17,7 +17,7 @@ pub struct LimitKeeping {
 }
 
 /// By rising limit, from the stretches of cruising.
-pub(super) fn limit_keeping(trips: &[Trip]) -> Vec<LimitKeeping> {
+pub(super) fn limit_keeping(trips: &[DriveBehaviour]) -> Vec<LimitKeeping> {
     let mut by_limit = BTreeMap::<i64, (f64, Vec<f64>)>::new();
     for stretch in trips.iter().flat_map(|trip| &trip.cruise) {
         if let Some(limit_mps) = stretch.limit_mps() {

@@ -18,7 +18,7 @@ pub use economy::{Economy, SMOOTH_WINDOW_S};
 pub use headway::{Headway, HeadwayBin};
 pub use pace::{AccelBin, AccelOverSpeed};
 
-use crate::{Error, Motion, PhaseKind, PhaseSettings, Trip, motion};
+use crate::{DriveBehaviour, Error, Motion, PhaseKind, PhaseSettings, motion};
 
 /// A driver in figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,7 +56,7 @@ impl Portrait {
         let drives: Vec<&[Motion]> = motion::drives(motions).collect();
         let trips = drives
             .par_iter()
-            .map(|drive| Trip::of_drive(drive, settings))
+            .map(|drive| DriveBehaviour::of_drive(drive, settings))
             .collect::<Result<Vec<_>, _>>()?;
         let logs: Vec<_> = motions.iter().map(Motion::log).collect();
         Ok(Self {

@@ -1,7 +1,7 @@
 use serde::Serialize;
 
 use super::Distribution;
-use crate::{PhaseKind, Trip};
+use crate::{DriveBehaviour, PhaseKind};
 
 /// Acceleration or deceleration over speed, from the samples of segments without a leader.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,7 +36,7 @@ const BIN_MPS: f64 = 10.0 / 3.6;
 const LEAST_SAMPLES: usize = 30;
 
 impl AccelOverSpeed {
-    pub(super) fn of(kind: PhaseKind, trips: &[Trip]) -> Self {
+    pub(super) fn of(kind: PhaseKind, trips: &[DriveBehaviour]) -> Self {
         let segments = || trips.iter().flat_map(|trip| trip.segments_of(kind));
         let mut bins: Vec<Vec<f64>> = Vec::new();
         for point in segments().flat_map(|s| &s.samples) {

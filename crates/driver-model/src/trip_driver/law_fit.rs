@@ -6,7 +6,7 @@ use super::habit::WantedSpeed;
 use super::law::{ACCEL_MPS2, AccelerationLaw, BRAKING_MPS2, BRAKING_SCALE_MPS2, BrakingLaw};
 use super::manoeuvres::{Fall, Rise, manoeuvres};
 use super::recording::{RecordedTrip, interpolated};
-use crate::statistics::quantile;
+use crate::statistics::{median, quantile};
 
 /// Slower starts and smaller falls and lost times say nothing about braking or rising.
 const LEAST_SPEED_MPS: f64 = 1.5;
@@ -124,11 +124,6 @@ fn limits(recordings: &[&RecordedTrip]) -> (f64, f64) {
         accel.clamp(*ACCEL_MPS2.start(), *ACCEL_MPS2.end()),
         braking.clamp(*BRAKING_MPS2.start(), *BRAKING_MPS2.end()),
     )
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    quantile(&values, 0.5)
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! From logs to energy: what the vehicle model is given, and how well a calibrated one does on recorded drives.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
 use driver_model::energy::{EnergyTotals, calibrate_vehicle, drive_energy};
 use driver_model::portrait::Portrait;
-use driver_model::{Error, Motion, PhaseSettings, SlopeSource, Trip};
+use driver_model::{DriveBehaviour, Error, Motion, PhaseSettings, SlopeSource};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
+
+use crate::shared::shared;
 
 const SAMPLES: usize = 3000;
 
@@ -118,7 +119,7 @@ fn a_car_that_creeps_back_at_every_stop_drives_on() {
             .windows(2)
             .any(|pair| pair[1] < pair[0])
     );
-    Trip::of_drive(&motions(&[&back]), &PhaseSettings::default()).unwrap();
+    DriveBehaviour::of_drive(&motions(&[&back]), &PhaseSettings::default()).unwrap();
 }
 
 #[test]
@@ -197,11 +198,10 @@ fn the_curve_covers_the_drive_in_half_seconds() {
 /// Every third clean trip of the recorded BMW i3; all of them are in docs/results.md.
 #[test]
 fn a_calibrated_car_is_right_about_trips_it_has_not_seen() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/bmw-i3");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: no recorded data in {}", folder.display());
+    let Some(folder) = shared("data/bmw-i3") else {
         return;
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.retain(|file| {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();

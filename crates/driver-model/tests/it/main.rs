@@ -15,6 +15,8 @@ mod fitting;
 mod model_file;
 mod phases;
 mod reference_vectors;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;
 mod step_response;
 mod support;
 mod weights;

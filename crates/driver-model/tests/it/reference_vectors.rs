@@ -8,13 +8,12 @@ use driver_model::{HeuristicRules, Method, Scaling, Segmented, StatisticalRules}
 use serde_json::Value;
 use tseg::{Refill, Scale, Similarity};
 
+use crate::shared::shared;
+
 fn vectors() -> Option<Vec<PathBuf>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/segmentation");
-    let Ok(entries) = folder.read_dir() else {
-        eprintln!("skipped: no reference vectors beside the project");
-        return None;
-    };
-    let mut files: Vec<PathBuf> = entries
+    let mut files: Vec<PathBuf> = shared("vectors/segmentation")?
+        .read_dir()
+        .unwrap()
         .map(|e| e.unwrap().path())
         .filter(|p| p.extension().is_some_and(|e| e == "json"))
         .collect();

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use drive_log::{Channel, DriveLog};
 use driver_model::{
-    AccelPoint, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Span, TrainingPhase,
-    TrainingSet, Trip, phase_model,
+    AccelPoint, DriveBehaviour, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Span,
+    TrainingPhase, TrainingSet, phase_model,
 };
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
@@ -80,13 +80,17 @@ pub(crate) fn plain_set(curves: &[PhaseCurve]) -> TrainingSet<'_> {
     set(curves.iter().enumerate().map(number))
 }
 
-pub(crate) fn trip_of(name: &str, phases: Vec<PhaseCurve>, points: &[AccelPoint]) -> Trip {
+pub(crate) fn trip_of(
+    name: &str,
+    phases: Vec<PhaseCurve>,
+    points: &[AccelPoint],
+) -> DriveBehaviour {
     let segment = |point: &AccelPoint| driver_model::Segment {
         kind: PhaseKind::Acceleration,
         mean: *point,
         samples: vec![*point],
     };
-    Trip {
+    DriveBehaviour {
         name: name.to_owned(),
         phases,
         segments: points.iter().map(segment).collect(),
@@ -123,12 +127,12 @@ pub(crate) fn points_of(curves: &[PhaseCurve]) -> Vec<AccelPoint> {
 }
 
 /// The first of the simulated drives.
-pub(crate) fn fixture_trips(most: usize) -> Vec<Trip> {
+pub(crate) fn fixture_trips(most: usize) -> Vec<DriveBehaviour> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/drives");
     trips_in(&folder, "csv", most)
 }
 
-pub(crate) fn trips_in(folder: &Path, suffix: &str, most: usize) -> Vec<Trip> {
+pub(crate) fn trips_in(folder: &Path, suffix: &str, most: usize) -> Vec<DriveBehaviour> {
     let mut files: Vec<_> = folder
         .read_dir()
         .unwrap()
@@ -147,7 +151,7 @@ pub(crate) fn trips_in(folder: &Path, suffix: &str, most: usize) -> Vec<Trip> {
         .map(|log| {
             let drive = drive_log::prepare(log, &drive_log::Preparation::default()).unwrap();
             let motions = Motion::of_drive(&drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
-            Trip::of_drive(&motions, &PhaseSettings::default()).unwrap()
+            DriveBehaviour::of_drive(&motions, &PhaseSettings::default()).unwrap()
         })
         .collect()
 }

@@ -4,7 +4,7 @@ use driver_model::phase_model::{
     ConditionedProfile, Conditioning, Constant, Exponential, Inverse, Profile, RiseTime,
 };
 use driver_model::{
-    AccelPoint, ModelKind, PhaseCurve, PhaseKind, PhaseModel, Subject, TrainingSet, Trip,
+    AccelPoint, DriveBehaviour, ModelKind, PhaseCurve, PhaseKind, PhaseModel, Subject, TrainingSet,
 };
 
 use crate::support::{assorted, fixture_trips, points_of, set, trip_of};
@@ -149,7 +149,7 @@ fn trips_of_a_prior_are_numbered_after_the_own() {
             &points_of(&curves[from..to]),
         )
     };
-    let own: [Trip; 3] = [trip(0, 2), trip(2, 2), trip(2, 3)];
+    let own: [DriveBehaviour; 3] = [trip(0, 2), trip(2, 2), trip(2, 3)];
     let prior = [trip(3, 4), trip(4, 6)];
     let kind = PhaseKind::Acceleration;
     let training = TrainingSet::from_trips(kind, &own).with_prior(kind, &prior, 0.25);

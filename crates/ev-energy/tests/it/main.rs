@@ -10,6 +10,8 @@
 mod calibration;
 mod laws;
 mod limits;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;
 mod slope;
 mod vectors;
 mod vehicles;

@@ -1,26 +1,16 @@
 //! Against an independent model: operating points, battery edge cases, cycle totals.
 
-use std::path::PathBuf;
-
 use ev_energy::{Trip, Vehicle};
 use serde_json::Value;
+
+use crate::shared::shared;
 
 /// Names in the reference file, and here.
 const VEHICLES: [(&str, &str); 2] = [("b250e", "b250e"), ("b250e_abc", "b250e-coast-down")];
 
-fn shared(path: &str) -> Option<String> {
-    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared")
-        .join(path);
-    let text = std::fs::read_to_string(&full).ok();
-    if text.is_none() {
-        eprintln!("skipped: no {path} beside the project");
-    }
-    text
-}
-
 fn reference() -> Option<Value> {
-    shared("vectors/energy.json").map(|text| serde_json::from_str(&text).unwrap())
+    let text = std::fs::read_to_string(shared("vectors/energy.json")?).unwrap();
+    Some(serde_json::from_str(&text).unwrap())
 }
 
 #[track_caller]
@@ -97,9 +87,10 @@ fn cycle_totals() {
     for (theirs, ours) in VEHICLES {
         let vehicle = Vehicle::builtin(ours).unwrap();
         for cycle in ["udds", "us06"] {
-            let Some(text) = shared(&format!("data/cycles/{cycle}.csv")) else {
+            let Some(file) = shared(&format!("data/cycles/{cycle}.csv")) else {
                 return;
             };
+            let text = std::fs::read_to_string(file).unwrap();
             let speed_mps: Vec<f64> = text
                 .lines()
                 .skip(1)

@@ -4,6 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs
 )]
@@ -17,3 +18,5 @@ mod problem;
 mod reference;
 mod refusals;
 mod search;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;

@@ -3,6 +3,8 @@
 use serde_json::Value;
 use svr::{Kernel, Penalty, Response, Samples, Scaling, Settings, Status, Stopping, fit};
 
+use crate::shared::shared;
+
 fn numbers(value: &Value) -> Vec<f64> {
     let items = value.as_array().expect("an array");
     items
@@ -19,13 +21,11 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 #[test]
 fn objectives_and_predictions_are_the_reference_solutions() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/svr");
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        println!("skipped: no reference vectors");
+    let Some(folder) = shared("vectors/svr") else {
         return;
     };
     let mut checked = 0;
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("a folder entry").path();
         let vector: Value =
             serde_json::from_str(&std::fs::read_to_string(&path).expect("a file")).expect("JSON");

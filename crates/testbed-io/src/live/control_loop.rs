@@ -11,11 +11,11 @@ use unicycle_cbf::{Scenario, StampedPose};
 
 use super::commands::{Command, Silence};
 use super::disbelieved::Contradictions;
-use super::hurry::hurry;
 use super::link::Link;
 use super::lookout::Lookout;
 use super::note::{Loss, Note};
 use super::pacer::Pacer;
+use super::real_time::into_real_time_class;
 use super::report::{Ending, LiveReport, StopSwitch, Update};
 use super::starts;
 use super::watch::Watch;
@@ -124,7 +124,7 @@ impl<'a> ControlLoop<'a> {
         stop: &StopSwitch,
         update: &mut impl FnMut(Update),
     ) -> Ending {
-        if !self.link.is_fast() && !hurry() {
+        if !self.link.is_fast() && !into_real_time_class() {
             update(Update::Note(&Note::NoRealTimePriority));
         }
         let period_s = self.scenario.controller().hold_s();

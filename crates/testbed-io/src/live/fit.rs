@@ -5,9 +5,9 @@
 //! by any lag and any slopes, and how well by those within what was stated: where the second is worse by much more than noise makes
 //! of it, no robot that is as stated moves like this.
 
+use super::commanded::Commanded;
 use super::line::Line;
 use super::moved::{Moved, Trail};
-use super::told::Told;
 
 /// Lags that are tried, in s: stated latencies may be too large by the first.
 const FROM_S: f64 = -0.3;
@@ -51,7 +51,7 @@ pub(super) enum Differs {
 
 /// Between heading and direction of motion, in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Course {
+pub(super) struct CourseAngle {
     /// To the left
     pub(super) angle_rad: f64,
     /// What noise makes of it
@@ -94,7 +94,12 @@ pub(super) struct Fit {
 
 impl Fit {
     /// Over the last so many seconds; none of too few poses.
-    pub(super) fn new(trail: &Trail, window_s: f64, told: &Told, stated: Stated) -> Option<Self> {
+    pub(super) fn new(
+        trail: &Trail,
+        window_s: f64,
+        told: &Commanded,
+        stated: Stated,
+    ) -> Option<Self> {
         let moved = trail.last(window_s);
         let count = moved.clone().count();
         let course = Line::through(moved.clone().map(|own| (own.along_m, own.across_m)));
@@ -132,10 +137,10 @@ impl Fit {
     }
 
     /// Where it moves, less where it heads; none of a robot that hardly moves.
-    pub(super) fn course(&self) -> Option<Course> {
+    pub(super) fn course(&self) -> Option<CourseAngle> {
         let slope = self.course.slope();
         let noise_m2 = self.noise_m2(self.course.rest(slope), self.stated.noise_m.powi(2));
-        (self.course.xx > noise_m2).then(|| Course {
+        (self.course.xx > noise_m2).then(|| CourseAngle {
             angle_rad: slope.atan(),
             sigma_rad: (noise_m2 / self.course.xx).sqrt(),
         })
@@ -192,7 +197,7 @@ fn least<'a>(
 impl Candidate {
     fn new<'a>(
         moved: impl Iterator<Item = &'a Moved> + Clone,
-        told: &Told,
+        told: &Commanded,
         stated: &Stated,
         lag_s: f64,
     ) -> Self {
@@ -262,7 +267,7 @@ mod tests {
 
         /// What every look over 12 s finds.
         fn found(&self) -> Vec<Option<Differs>> {
-            let (mut told, mut really) = (Told::new(0.09), Told::new(0.09));
+            let (mut told, mut really) = (Commanded::new(0.09), Commanded::new(0.09));
             for step in 0..600_u32 {
                 let time_s = 0.02 * f64::from(step);
                 let speeds = Speeds {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use unicycle_cbf::{Pose, Speeds, StampedPose};
 
+use super::commanded::Commanded;
 use super::counts::Dropped;
-use super::told::Told;
 
 /// The place that robots can be in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -53,7 +53,7 @@ pub(super) struct Gate {
     bounds: Bounds,
     tracks: Vec<Track>,
     /// Nothing where the commands do not go to these robots
-    told: Vec<Told>,
+    told: Vec<Commanded>,
     started: bool,
 }
 
@@ -74,7 +74,7 @@ impl Gate {
         Self {
             bounds,
             tracks: vec![Track::default(); robots],
-            told: vec![Told::new(bounds.wheel_base_m); robots],
+            told: vec![Commanded::new(bounds.wheel_base_m); robots],
             started: false,
         }
     }
@@ -138,7 +138,12 @@ impl Gate {
 }
 
 impl Track {
-    fn follows(&self, seen: &StampedPose, bounds: &Bounds, told: &Told) -> Result<(), Dropped> {
+    fn follows(
+        &self,
+        seen: &StampedPose,
+        bounds: &Bounds,
+        told: &Commanded,
+    ) -> Result<(), Dropped> {
         let newer = |last: StampedPose| seen.stamp_s - last.stamp_s >= NEWER_S;
         if !self.last.is_none_or(newer) {
             return Err(Dropped::Old);
@@ -187,7 +192,7 @@ impl Bounds {
         before: &StampedPose,
         seen: &StampedPose,
         most_s: f64,
-        told: &Told,
+        told: &Commanded,
         contradicted: bool,
     ) -> bool {
         let moving_s = (seen.stamp_s - before.stamp_s).min(most_s);
@@ -202,7 +207,7 @@ impl Bounds {
     }
 
     /// The turn to which commands can have led.
-    fn told_rad(&self, from_s: f64, to_s: f64, told: &Told, contradicted: bool) -> f64 {
+    fn told_rad(&self, from_s: f64, to_s: f64, told: &Commanded, contradicted: bool) -> f64 {
         let way = told.between(from_s - UNDER_WAY_S, to_s);
         let [left_m, right_m] = way.wheels_m;
         let wheels_rad = self.wheel_error * (left_m + right_m) / self.wheel_base_m;

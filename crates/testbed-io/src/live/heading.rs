@@ -2,7 +2,7 @@
 
 use unicycle_cbf::Scenario;
 
-use super::fit::Course;
+use super::fit::CourseAngle;
 
 /// Headings that nobody knows better are taken to be off by this at most, in rad.
 pub(super) const UNKNOWN_RAD: f64 = 0.35;
@@ -52,7 +52,7 @@ impl Heading {
     };
 
     /// What the motion of the last seconds shows.
-    pub(super) fn learn(&mut self, course: Option<Course>) {
+    pub(super) fn learn(&mut self, course: Option<CourseAngle>) {
         let Some(course) = course else { return };
         let (off_rad, sure_rad) = (course.angle_rad.abs(), CERTAIN * course.sigma_rad);
         if sure_rad < UNKNOWN_RAD {

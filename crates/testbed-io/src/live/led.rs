@@ -2,8 +2,8 @@
 
 use unicycle_cbf::{Pose, StampedPose};
 
+use super::commanded::Commanded;
 use super::gate::{Bounds, STOPPED_AFTER_S, TOLERANCE_M, UNDER_WAY_S, distance_m};
-use super::told::Told;
 
 /// Delays of commands and poses together that are tried, in s.
 const DELAY_STEP_S: f64 = 0.1;
@@ -20,7 +20,7 @@ impl Bounds {
         &self,
         last: &StampedPose,
         seen: &StampedPose,
-        told: &Told,
+        told: &Commanded,
         contradicted: bool,
     ) -> bool {
         if told.is_empty() {
@@ -60,7 +60,7 @@ impl Bounds {
         &self,
         last: &StampedPose,
         seen: &StampedPose,
-        told: &Told,
+        told: &Commanded,
         most_s: f64,
     ) -> bool {
         let speeds = told.at(last.stamp_s);
@@ -82,7 +82,7 @@ struct Led {
 }
 
 /// With commands and poses that are late by some time.
-fn led(last: &StampedPose, to_s: f64, told: &Told, delay_s: f64) -> Led {
+fn led(last: &StampedPose, to_s: f64, told: &Commanded, delay_s: f64) -> Led {
     let from = StampedPose {
         stamp_s: last.stamp_s - delay_s,
         ..*last

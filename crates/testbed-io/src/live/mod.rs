@@ -31,7 +31,6 @@ mod disbelieved;
 mod fit;
 mod gate;
 mod heading;
-mod hurry;
 mod inbox;
 pub mod json_lines;
 mod jump;
@@ -44,6 +43,7 @@ pub mod natnet;
 pub mod note;
 mod pacer;
 pub mod poses;
+mod real_time;
 mod report;
 pub mod robotarium;
 mod roll_call;
@@ -56,7 +56,7 @@ mod template;
 mod watch;
 mod words;
 
-use testbed_sim::told;
+use testbed_sim::commanded;
 
 pub use clock::Clock;
 pub use counts::{Counts, Dropped};

@@ -2,9 +2,9 @@
 
 use unicycle_cbf::{Pose, StampedPose};
 
+use super::commanded::Commanded;
 use super::gate::distance_m;
 use super::note::Note;
-use super::told::Told;
 
 /// Beyond this and the noise a robot has moved, in m.
 const MOVED_M: f64 = 0.01;
@@ -75,7 +75,7 @@ impl RollCall {
     pub(super) fn look<'a>(
         &mut self,
         time_s: f64,
-        told: impl Fn(usize) -> &'a Told,
+        told: impl Fn(usize) -> &'a Commanded,
     ) -> Option<Note> {
         match &self.stage {
             Stage::Standing(None, _) => {
@@ -159,7 +159,7 @@ mod tests {
     /// What is said of three robots within 12 s; `moves` says how far one has gone at a time, of the ways that all were told, in m.
     fn said(moves: impl Fn(usize, f64, &[f64; 3]) -> f64, idle: Option<usize>) -> Vec<String> {
         let mut roll_call = RollCall::new(&[4, 5, 6], 3e-3, true);
-        let mut told: Vec<Told> = (0..3).map(|_| Told::new(0.1)).collect();
+        let mut told: Vec<Commanded> = (0..3).map(|_| Commanded::new(0.1)).collect();
         let mut notes = Vec::new();
         for step in 0..600_u32 {
             let time_s = 0.02 * f64::from(step);

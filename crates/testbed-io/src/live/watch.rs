@@ -3,6 +3,7 @@
 use testbed_sim::tick::Watched;
 use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
+use super::commanded::Commanded;
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
 use super::heading::{Heading, Room};
@@ -10,7 +11,6 @@ use super::jump::Jumps;
 use super::moved::{KEPT_S, Trail};
 use super::note::{Consequence, Differing, Note};
 use super::roll_call::RollCall;
-use super::told::Told;
 
 /// What settings without guards are held against: noise of poses in m and rad, error of each wheel.
 const NOISE_M: f64 = 3e-3;
@@ -65,7 +65,7 @@ pub(super) struct Watch {
 
 #[derive(Debug)]
 struct Own {
-    told: Told,
+    told: Commanded,
     trail: Trail,
     allowed: Allowed,
     /// Looks in a row that found it different
@@ -103,7 +103,7 @@ impl Watch {
         let hardening = &controller.settings().hardening;
         let noise_rad = hardening.heading_noise_rad.max(NOISE_RAD);
         let own = || Own {
-            told: Told::new(wheel_base_m),
+            told: Commanded::new(wheel_base_m),
             trail: Trail::default(),
             allowed: Allowed::All,
             differing: 0,

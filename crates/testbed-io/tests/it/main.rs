@@ -19,5 +19,5 @@ mod recorded;
 mod replay;
 mod robotarium;
 mod shadow;
-#[path = "../../../testbed-sim/tests/it/shared.rs"]
+#[path = "../../../../fixtures/shared.rs"]
 mod shared;

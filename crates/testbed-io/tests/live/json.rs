@@ -14,6 +14,7 @@ use unicycle_cbf::{Preset, RobotSpec, Scenario, ScenarioSpec, Testbed};
 
 use super::faulty::{self, Faults};
 use super::testbed::run;
+use crate::python::has_python;
 
 fn scenario(robots: usize, duration_s: f64) -> ScenarioSpec {
     let mut spec = Testbed::Khepera
@@ -101,9 +102,7 @@ fn a_recording_is_played_fast_and_in_real_time() {
 #[test]
 fn a_program_is_the_robots() {
     let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");
-    let mut python = std::process::Command::new("python3");
-    if python.arg("--version").output().is_err() {
-        println!("skipped: no python3");
+    if !has_python() {
         return;
     }
     let program = PosesSpec::Program(ProgramSpec {
@@ -142,9 +141,7 @@ fn a_program_that_ends_before_the_start_is_an_error() {
 
 #[test]
 fn a_program_gives_the_poses_of_robots_that_hear_elsewhere() {
-    let mut python = std::process::Command::new("python3");
-    if python.arg("--version").output().is_err() {
-        println!("skipped: no python3");
+    if !has_python() {
         return;
     }
     let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");
@@ -168,9 +165,7 @@ fn a_program_gives_the_poses_of_robots_that_hear_elsewhere() {
 
 #[test]
 fn a_program_that_ends_leaves_robots_that_may_move_and_no_safe_verdict() {
-    let mut python = std::process::Command::new("python3");
-    if python.arg("--version").output().is_err() {
-        println!("skipped: no python3");
+    if !has_python() {
         return;
     }
     let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots.py");

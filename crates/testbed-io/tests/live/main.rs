@@ -4,6 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::print_stderr,
     clippy::print_stdout,
     missing_docs,
     unreachable_pub
@@ -27,6 +28,8 @@ mod natnet_filler;
 mod natnet_server;
 mod natnet_synthetic;
 mod proxy;
+#[path = "../../../../fixtures/python.rs"]
+mod python;
 mod robotarium;
 mod robotarium_peer;
 mod testbed;

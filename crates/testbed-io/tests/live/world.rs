@@ -11,7 +11,7 @@ const STEP: Duration = Duration::from_millis(2);
 
 /// A command as a robot got it.
 #[derive(Debug, Clone, Copy)]
-pub struct Told {
+pub struct Commanded {
     pub at: Instant,
     pub speeds: Speeds,
 }
@@ -19,7 +19,7 @@ pub struct Told {
 struct Robot {
     pose: Pose,
     speeds: Speeds,
-    told: Vec<Told>,
+    told: Vec<Commanded>,
     /// Motors stop by themselves after this time without a command
     stops_after: Option<Duration>,
 }
@@ -85,7 +85,7 @@ impl World {
         let robot = &mut state.robots[robot];
         robot.speeds = speeds;
         let at = Instant::now();
-        robot.told.push(Told { at, speeds });
+        robot.told.push(Commanded { at, speeds });
     }
 
     pub fn poses(&self) -> Vec<Pose> {
@@ -93,7 +93,7 @@ impl World {
         state.robots.iter().map(|robot| robot.pose).collect()
     }
 
-    pub fn told(&self, robot: usize) -> Vec<Told> {
+    pub fn told(&self, robot: usize) -> Vec<Commanded> {
         self.0.lock().unwrap().robots[robot].told.clone()
     }
 

@@ -1,6 +1,6 @@
 //! What the pictures of a run are drawn from.
 
-use testbed_sim::{Disturbances, Figures, RunSpec, Tick};
+use testbed_sim::{Disturbances, RunFigures, RunSpec, Tick};
 use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 /// A session at 50 Hz whose poses come at 10 Hz.
@@ -26,7 +26,7 @@ fn session() -> (Scenario, Vec<Tick>) {
 fn between_poses_the_edge_of_the_lane_is_as_far_as_last_measured() {
     let (scenario, ticks) = session();
     let half_width_m = scenario.spec().controller.lane.half_width_m;
-    let figures = serde_json::to_value(Figures::new(&scenario, &ticks, None)).unwrap();
+    let figures = serde_json::to_value(RunFigures::new(&scenario, &ticks, None)).unwrap();
     for robot in [0, 1] {
         let line = &figures["robots"][robot]["lane_clearance_m"];
         let own = ticks.iter().filter(|tick| tick.robot == robot);

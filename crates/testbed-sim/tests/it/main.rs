@@ -15,4 +15,5 @@ mod literal;
 mod random;
 mod runs;
 mod safety;
+#[path = "../../../../fixtures/shared.rs"]
 mod shared;

@@ -86,7 +86,7 @@ impl<'a> GrowingWindows<'a> {
     }
 
     /// Removes the samples that the last walk took in.
-    pub(crate) fn forget(&mut self, walked: Range<usize>) {
+    pub(crate) fn drop_front(&mut self, walked: Range<usize>) {
         let ranked = self.ranked;
         for &rank in ranked.ranks[walked].iter().chain(&self.extra) {
             self.multiplicity[rank as usize] = 0;

@@ -78,7 +78,7 @@ impl Walk<'_> {
     /// Starts at the columns `first_end..`, before any sample.
     pub(crate) fn begin(&mut self, first_end: usize) {
         for window in &mut self.windows {
-            window.forget(self.start..self.first_end);
+            window.drop_front(self.start..self.first_end);
             window.begin(first_end);
         }
         self.first_end = first_end;

@@ -1,11 +1,12 @@
 //! Dynamic programming against a search of all segmentations, and against reference vectors.
 
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use proptest::prelude::*;
 use serde_json::Value;
 use tseg::{Certificate, Cost, Dynamic, Error, PenaltyPath, Segmentation, Series};
+
+use crate::shared::shared;
 
 const COSTS: [Cost; 3] = [Cost::ZScale, Cost::MeanDeviation, Cost::SquaredError];
 
@@ -200,11 +201,10 @@ fn weightless_and_constant_series_cost_nothing() {
 
 #[test]
 fn reference_vectors() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/segmentation");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("reference vectors are absent: nothing compared");
+    let Some(folder) = shared("vectors/segmentation") else {
         return;
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
     for path in paths.filter(|path| path.extension().is_some_and(|e| e == "json")) {
         let vector: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();

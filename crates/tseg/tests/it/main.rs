@@ -14,4 +14,6 @@ mod reference;
 mod reference_merging;
 mod regression;
 mod rivals;
+#[path = "../../../../fixtures/shared.rs"]
+mod shared;
 mod streaming;

@@ -1,12 +1,12 @@
 //! Against reference vectors computed by an independent program, where that folder is present.
 
-use std::path::Path;
-
 use serde_json::Value;
 use tseg::{
     BottomUp, Cost, Metrics, Refill, Segmentation, Series, Similarity, Stop, Swab, merge_similar,
     percentile_similarity, runs,
 };
+
+use crate::shared::shared;
 
 const TOLERANCE: f64 = 1e-12;
 
@@ -86,11 +86,10 @@ fn assert_close(value: f64, expected: f64, place: &str) {
 }
 
 fn vectors() -> Vec<Vector> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/segmentation");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("reference vectors are absent: nothing compared");
+    let Some(folder) = shared("vectors/segmentation") else {
         return Vec::new();
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
     let vectors: Vec<_> = paths
         .filter(|path| {

@@ -1,7 +1,5 @@
 //! Merging against the reference vectors and against the rules written as plainly as possible.
 
-use std::path::Path;
-
 use proptest::prelude::*;
 use serde_json::Value;
 use tseg::{
@@ -9,12 +7,13 @@ use tseg::{
     percentile_similarity,
 };
 
+use crate::shared::shared;
+
 fn vectors() -> Vec<(String, Value)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/segmentation");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("reference vectors are absent: nothing compared");
+    let Some(folder) = shared("vectors/segmentation") else {
         return Vec::new();
     };
+    let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
     paths
         .filter(|path| path.extension().is_some_and(|e| e == "json"))

@@ -1,12 +1,12 @@
 //! SWAB one sample at a time is SWAB on the whole series.
 
 use std::ops::Range;
-use std::path::Path;
 
 use proptest::prelude::*;
 use tseg::{Cost, Error, Refill, Scale, Series, Swab, SwabStream};
 
 use crate::laws::{COSTS, REFILLS, series, thresholds, variables};
+use crate::shared::shared;
 
 /// Segment ends from a stream; each segment starts where the one before ended.
 fn streamed(swab: Swab, weights: &[f64], samples: impl Iterator<Item = Vec<f64>>) -> Vec<usize> {
@@ -141,12 +141,10 @@ fn an_endless_window_is_refused_in_time() {
 /// Recorded drives, where they are present: speed in m/s and dead-banded acceleration, as recorded and z-scored.
 #[test]
 fn recorded_drives() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/bmw-i3");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("recorded drives are absent: nothing compared");
+    let Some(folder) = shared("data/bmw-i3") else {
         return;
     };
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let (speed, accel) = drive(&std::fs::read(&path).unwrap());
         for scale in [Scale::None, Scale::ZScore] {

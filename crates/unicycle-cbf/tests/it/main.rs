@@ -15,7 +15,7 @@ mod path;
 mod qp;
 mod reference;
 mod scenarios;
-#[path = "../../../testbed-sim/tests/it/shared.rs"]
+#[path = "../../../../fixtures/shared.rs"]
 mod shared;
 mod states;
 mod tracks;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::{Command, CommandCounts, CommandSink, Silence};
 use crate::Error;
-use crate::live::hurry::hurry;
+use crate::live::real_time::into_real_time_class;
 
 /// Without commands for this long, robots are told to stand.
 const PATIENCE: Duration = Duration::from_millis(300);
@@ -47,7 +47,7 @@ impl DeadMan {
         let ended = Arc::clone(&dead_man.ended);
         let thread = std::thread::Builder::new().name("dead man".to_owned());
         let spawned = thread.spawn(move || {
-            hurry();
+            into_real_time_class();
             let zeros: Vec<Command> = (0..robots).map(Command::zero).collect();
             while !ended.load(Ordering::Relaxed) {
                 std::thread::sleep(ROUND);

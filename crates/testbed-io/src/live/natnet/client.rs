@@ -9,7 +9,7 @@ use socket2::{Domain, Protocol, Socket, Type};
 
 use super::super::inbox::Inbox;
 use super::super::poses::receiver;
-use super::session::Session;
+use super::conversation::Conversation;
 use super::spec::{NatNetSpec, Transport};
 use crate::Error;
 
@@ -30,11 +30,11 @@ pub fn start(spec: &NatNetSpec, inbox: Inbox) -> Result<JoinHandle<()>, Error> {
             "port {wanted} is taken; NatNet frames are awaited at port {port}"
         ));
     }
-    let session = Session::new(spec.clone(), inbox.clone());
+    let session = Conversation::new(spec.clone(), inbox.clone());
     receiver("natnet", inbox, move |_| run(&session, &sockets))
 }
 
-fn run(session: &Session, sockets: &Sockets) {
+fn run(session: &Conversation, sockets: &Sockets) {
     thread::scope(|scope| {
         if let Some(data) = &sockets.data {
             let builder = thread::Builder::new().name("natnet-data".to_owned());

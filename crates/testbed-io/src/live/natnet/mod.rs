@@ -2,13 +2,13 @@
 
 mod axes;
 mod client;
+mod conversation;
 mod cursor;
 mod decode;
 mod encode;
 mod frame;
-mod session;
+mod server_state;
 mod spec;
-mod state;
 
 pub use axes::{Up, floor_pose};
 pub use client::start;

@@ -6,8 +6,8 @@ mod recording;
 
 use std::thread::JoinHandle;
 
-use super::hurry::hurry;
 use super::inbox::Inbox;
+use super::real_time::into_real_time_class;
 use crate::Error;
 
 pub use json_udp::JsonUdpSpec;
@@ -28,7 +28,7 @@ pub(super) fn receiver(
 ) -> Result<Receiver, Error> {
     let thread = std::thread::Builder::new().name(name.to_owned());
     let spawned = thread.spawn(move || {
-        hurry();
+        into_real_time_class();
         run(&inbox);
     });
     spawned.map_err(|source| Error::no_thread(name, &source))

@@ -9,8 +9,8 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use unicycle_cbf::Speeds;
 
-use super::super::hurry::hurry;
 use super::super::inbox::Inbox;
+use super::super::real_time::into_real_time_class;
 use super::RobotariumSpec;
 use super::commands::{Lane, Sender};
 use super::poses;
@@ -68,7 +68,7 @@ pub fn connect(spec: &RobotariumSpec, ids: &[u32], inbox: Inbox) -> Result<Robot
     let thread = std::thread::Builder::new()
         .name("robotarium".to_owned())
         .spawn(move || {
-            hurry();
+            into_real_time_class();
             connections.run(runtime, &ended);
         })
         .map_err(|error| Error::no_thread("robotarium", &error))?;

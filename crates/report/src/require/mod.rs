@@ -1,31 +1,18 @@
-//! `--require 'profile.in_band_pct>=60'`: thresholds that a script can rely on.
+//! Thresholds for figures of a document, such as `profile.in_band_pct>=60`.
 
 mod figures;
 
+use std::fmt;
 use std::str::FromStr;
 
-use anyhow::bail;
-use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::exit::Outcome;
-use crate::output;
-pub(crate) use figures::Figures;
-
-/// Thresholds of any command that computes figures.
-#[derive(Debug, Clone, Default, Args, Serialize)]
-pub(crate) struct RequireArgs {
-    /// A threshold for a figure of the JSON document, such as 'totals.error_pct<=5' or 'profile.in_band_pct>=60' (also <, >); exit
-    /// code 1 if missed. Of several logs, each has to meet it; may be repeated
-    #[arg(long = "require", value_name = "FIGURE>=NUMBER")]
-    #[serde(skip)]
-    require: Vec<Requirement>,
-}
+pub use figures::KnownFigures;
 
 /// A comparison of one figure of the document with a number.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Requirement {
+pub struct Requirement {
     text: String,
     figure: Vec<String>,
     comparison: Comparison,
@@ -49,13 +36,15 @@ const COMPARISONS: [(&str, Comparison); 4] = [
 
 /// What became of a requirement, as the document lists it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Judged {
-    require: String,
-    met: bool,
-    /// The worst of several; none where it is not defined.
-    found: Option<f64>,
-    /// How many figures it is about.
-    figures: usize,
+pub struct Judged {
+    /// As it was asked for
+    pub require: String,
+    /// By every figure that it is about, and by one at least
+    pub met: bool,
+    /// The worst of several; none where it is not defined
+    pub found: Option<f64>,
+    /// How many figures it is about
+    pub figures: usize,
 }
 
 impl FromStr for Requirement {
@@ -86,50 +75,18 @@ impl FromStr for Requirement {
     }
 }
 
-impl RequireArgs {
-    /// Refuses a figure that the command does not compute, before it computes any.
-    pub(crate) fn check(&self, known: &Figures) -> anyhow::Result<()> {
-        for requirement in &self.require {
-            if let Some(near) = known.nearest_unless_known(&requirement.figure) {
-                bail!(
-                    "--require `{}`: no figure `{}`; is it {near}?",
-                    requirement.text,
-                    requirement.figure.join(".")
-                );
-            }
-        }
-        Ok(())
-    }
-
-    /// Looks the figures up, and says on stderr what became of each, whatever `--quiet` says.
-    pub(crate) fn judge(
-        &self,
-        document: &impl Serialize,
-    ) -> anyhow::Result<(Vec<Judged>, Outcome)> {
-        if self.require.is_empty() {
-            return Ok((Vec::new(), Outcome::Done));
-        }
-        let document = serde_json::to_value(document)?;
-        let judged: Vec<Judged> = self
-            .require
-            .iter()
-            .map(|requirement| requirement.judge(&document))
-            .collect();
-        for judged in &judged {
-            output::announce(&judged.text());
-        }
-        let all_met = judged.iter().all(|judged| judged.met);
-        let outcome = if all_met {
-            Outcome::Done
-        } else {
-            Outcome::Negative
-        };
-        Ok((judged, outcome))
-    }
-}
-
 impl Requirement {
-    fn judge(&self, document: &Value) -> Judged {
+    /// Why a document of this kind cannot meet it: it has no such figure, but others with names like that.
+    #[must_use]
+    pub fn unknown(&self, known: &KnownFigures) -> Option<String> {
+        let near = known.nearest_unless_known(&self.figure)?;
+        let (text, figure) = (&self.text, self.figure.join("."));
+        Some(format!("`{text}`: no figure `{figure}`; is it {near}?"))
+    }
+
+    /// Looks the figures up in a document.
+    #[must_use]
+    pub fn judge(&self, document: &Value) -> Judged {
         let mut found = Vec::new();
         figures::find(document, &self.figure, &mut found);
         let met = |value: &Option<f64>| value.is_some_and(|value| self.is_met_by(value));
@@ -167,18 +124,18 @@ impl Requirement {
     }
 }
 
-impl Judged {
-    fn text(&self) -> String {
+impl fmt::Display for Judged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = if self.met { "met" } else { "missed" };
-        let found = match self.found {
-            Some(found) => format!("found {found}"),
-            None => "not defined".to_owned(),
-        };
-        let of = match self.figures {
-            0 | 1 => String::new(),
-            count => format!(", the worst of {count}"),
-        };
-        format!("{verdict}: {}: {found}{of}", self.require)
+        write!(f, "{verdict}: {}: ", self.require)?;
+        match self.found {
+            Some(found) => write!(f, "found {found}")?,
+            None => f.write_str("not defined")?,
+        }
+        match self.figures {
+            0 | 1 => Ok(()),
+            count => write!(f, ", the worst of {count}"),
+        }
     }
 }
 

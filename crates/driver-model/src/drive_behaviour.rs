@@ -38,7 +38,7 @@ impl Default for PhaseSettings {
 
 /// What models learn from one drive, and what they are judged on when it is held out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trip {
+pub struct DriveBehaviour {
     /// Name of the drive.
     pub name: String,
     /// Acceleration and braking phases by the heuristic route that count.
@@ -73,7 +73,7 @@ pub struct Segment {
     pub samples: Vec<AccelPoint>,
 }
 
-impl Trip {
+impl DriveBehaviour {
     /// Finds the phases of a drive, given by its pieces.
     ///
     /// # Errors

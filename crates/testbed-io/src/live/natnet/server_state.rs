@@ -19,7 +19,7 @@ const OLDEST_EXPOSURE_S: f64 = 1.0;
 
 /// Times are those of the inbox, in s.
 #[derive(Default)]
-pub(super) struct State {
+pub(super) struct ServerState {
     pub(super) info: Option<ServerInfo>,
     pub(super) unreadable: u32,
     pub(super) last_number: Option<u32>,
@@ -30,7 +30,7 @@ pub(super) struct State {
     pub(super) told_unreadable: bool,
 }
 
-impl State {
+impl ServerState {
     pub(super) fn version(&self) -> Option<Version> {
         self.info.as_ref().map(|info| info.version)
     }

@@ -7,7 +7,7 @@ const TRANSPARENT: [&str; 4] = ["models", "baselines", "totals", "logs"];
 
 /// The figures of one document, a line each: keys from the outside in, `*` for a name and `[]` for an entry of a list.
 #[derive(Debug, Clone)]
-pub(crate) struct Figures {
+pub struct KnownFigures {
     list: &'static str,
     /// What `*` stands for; anything where there are none.
     names: Vec<String>,
@@ -16,8 +16,10 @@ pub(crate) struct Figures {
 /// Suggestions of one message.
 const SUGGESTED: usize = 3;
 
-impl Figures {
-    pub(crate) fn new(list: &'static str) -> Self {
+impl KnownFigures {
+    /// Of a document without names of models.
+    #[must_use]
+    pub fn new(list: &'static str) -> Self {
         Self {
             list,
             names: Vec::new(),
@@ -25,7 +27,8 @@ impl Figures {
     }
 
     /// With these names of models.
-    pub(crate) fn of(list: &'static str, names: impl IntoIterator<Item = String>) -> Self {
+    #[must_use]
+    pub fn of(list: &'static str, names: impl IntoIterator<Item = String>) -> Self {
         Self {
             list,
             names: names.into_iter().collect(),
@@ -37,7 +40,7 @@ impl Figures {
     }
 
     /// `None` where the figure is one of these; or else the nearest.
-    pub(crate) fn nearest_unless_known(&self, figure: &[String]) -> Option<String> {
+    pub(super) fn nearest_unless_known(&self, figure: &[String]) -> Option<String> {
         let figure: Vec<&str> = figure.iter().map(String::as_str).collect();
         if self
             .patterns()
@@ -179,7 +182,7 @@ fn find_in_list(entries: &[Value], figure: &[String], found: &mut Vec<Option<f64
 mod tests {
     use super::*;
 
-    fn nearest_to(figures: &Figures, figure: &str) -> Option<String> {
+    fn nearest_to(figures: &KnownFigures, figure: &str) -> Option<String> {
         let figure: Vec<String> = figure.split('.').map(str::to_owned).collect();
         figures.nearest_unless_known(&figure)
     }
@@ -188,7 +191,7 @@ mod tests {
     fn known_figures_are_known_and_others_have_neighbours() {
         let list =
             "models.*.rmse_mps\nbraking.models.*.rmse_mps\nmodels.*.by.*\ntotals.[].error_pct";
-        let figures = Figures::of(list, ["profile".to_owned(), "inverse".to_owned()]);
+        let figures = KnownFigures::of(list, ["profile".to_owned(), "inverse".to_owned()]);
         for known in [
             "profile.rmse_mps",
             "models.inverse.rmse_mps",

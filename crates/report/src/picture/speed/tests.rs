@@ -1,22 +1,18 @@
 use super::*;
 
-fn segment(start: usize, end: usize, kind: PhaseKind, lead_influenced: bool) -> Span {
-    Span {
-        start,
-        end,
-        kind,
-        lead_influenced,
-    }
+fn stretch(start: usize, end: usize, behaviour: Behaviour) -> Stretch {
+    let samples = start..end;
+    Stretch { samples, behaviour }
 }
 
-fn plot<'a>(speed_mps: &'a [f64], segments: &'a [Span]) -> SpeedPlot<'a> {
+fn plot<'a>(speed_mps: &'a [f64], stretches: &[Stretch]) -> SpeedPlot<'a> {
     SpeedPlot {
         title: "drive",
         t0_s: 0.0,
         step_s: 0.1,
         speed_mps,
         speed_limit_mps: None,
-        segments,
+        stretches: stretches.to_vec(),
     }
 }
 
@@ -60,26 +56,26 @@ fn every_phase_and_line_is_drawn() {
         .map(|k| 10.0 + 5.0 * (f64::from(k) * 0.02).sin())
         .collect();
     let limit_mps: Vec<f64> = (0..500).map(|k| if k < 250 { 13.9 } else { 8.3 }).collect();
-    let segments = [
-        segment(0, 100, PhaseKind::Acceleration, false),
-        segment(100, 200, PhaseKind::Braking, false),
-        segment(200, 300, PhaseKind::Cruise, false),
-        segment(300, 400, PhaseKind::Acceleration, true),
-        segment(400, 500, PhaseKind::Other, false),
+    let stretches = [
+        stretch(0, 100, Behaviour::Acceleration),
+        stretch(100, 200, Behaviour::Braking),
+        stretch(200, 300, Behaviour::Cruise),
+        stretch(300, 400, Behaviour::LeadInfluenced),
+        stretch(400, 500, Behaviour::Other),
     ];
     let plots = [SpeedPlot {
         speed_limit_mps: Some(&limit_mps),
-        ..plot(&speed_mps, &segments)
+        ..plot(&speed_mps, &stretches)
     }];
     let document = speed_with_phases(&plots).unwrap();
     assert!(assert_well_formed(&document) > 20);
     assert!(
         document.contains("<title>Speed over time of drive, coloured by driving phase</title>")
     );
-    for colour in PhaseKind::ALL
-        .map(phase_colour)
+    for colour in Behaviour::ALL
+        .map(Behaviour::colour)
         .into_iter()
-        .chain([LEAD, LIMIT])
+        .chain([LIMIT])
     {
         assert!(document.contains(&format!(
             "#{:02X}{:02X}{:02X}",
@@ -152,14 +148,14 @@ fn gaps_split_the_line() {
         .collect();
     assert_eq!(indices, [vec![0, 1], vec![3, 4], vec![6, 7]]);
     let limit_mps = [f64::NAN, 3.0, 3.0, f64::NAN, 4.0, 5.0, 5.0, 5.0];
-    let segments = [
-        segment(6, 2, PhaseKind::Braking, false),
-        segment(3, 99, PhaseKind::Cruise, false),
-        segment(0, 4, PhaseKind::Braking, false),
+    let stretches = [
+        stretch(6, 2, Behaviour::Braking),
+        stretch(3, 99, Behaviour::Cruise),
+        stretch(0, 4, Behaviour::Braking),
     ];
     let document = speed_with_phases(&[SpeedPlot {
         speed_limit_mps: Some(&limit_mps),
-        ..plot(&speed_mps, &segments)
+        ..plot(&speed_mps, &stretches)
     }])
     .unwrap();
     assert_well_formed(&document);
@@ -169,12 +165,12 @@ fn gaps_split_the_line() {
 #[test]
 fn ranges_cover_every_sample() {
     let speed_mps = vec![1.0; 50];
-    let segments = [
-        segment(30, 40, PhaseKind::Braking, false),
-        segment(5, 20, PhaseKind::Acceleration, false),
+    let stretches = [
+        stretch(30, 40, Behaviour::Braking),
+        stretch(5, 20, Behaviour::Acceleration),
     ];
     let mut covered = 0;
-    for (range, _) in plot(&speed_mps, &segments).coloured_ranges() {
+    for (range, _) in plot(&speed_mps, &stretches).coloured_ranges() {
         assert!(range.start <= covered && range.end > covered);
         covered = range.end - usize::from(range.end < 50);
     }

@@ -11,8 +11,8 @@ use super::axes::floor_pose;
 use super::decode::{decode, is_frame};
 use super::encode::{encode_connect, encode_keep_alive};
 use super::frame::{Frame, Malformed, Message, ServerInfo, Version};
+use super::server_state::{PUZZLING, ServerState};
 use super::spec::{NatNetSpec, Transport};
-use super::state::{PUZZLING, State};
 
 /// The user is told after this time without an answer, in s.
 const UNANSWERED_S: f64 = 3.0;
@@ -22,14 +22,14 @@ const PAUSE: Duration = Duration::from_millis(10);
 const DATAGRAM_BYTES: usize = 65536;
 
 /// Shared by the threads of the sockets.
-pub(super) struct Session {
+pub(super) struct Conversation {
     spec: NatNetSpec,
     started_s: f64,
     inbox: Inbox,
-    state: Mutex<State>,
+    state: Mutex<ServerState>,
 }
 
-impl Session {
+impl Conversation {
     pub(super) fn new(spec: NatNetSpec, inbox: Inbox) -> Self {
         Self {
             spec,
@@ -255,7 +255,7 @@ impl Session {
     }
 
     /// A thread that panicked leaves a state that is whole: it is changed in single assignments.
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, ServerState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,11 +1,8 @@
-//! The phases that a model predicts, as an SVG picture.
+//! Predicted speeds with their bands.
 
-use driver_model::phase_model::PredictiveBand;
-use driver_model::{Phase, PhaseModel};
 use plotters::prelude::*;
-use serde::Serialize;
 
-use super::svg::PlotError;
+use super::PictureError;
 
 const SIZE_PX: (u32, u32) = (900, 480);
 const COLOURS: [RGBColor; 3] = [
@@ -14,35 +11,33 @@ const COLOURS: [RGBColor; 3] = [
     RGBColor(0x00, 0x9e, 0x73),
 ];
 
-/// A phase that the model predicts.
-#[derive(Debug, Serialize)]
-pub(crate) struct Example {
-    #[serde(flatten)]
-    pub(crate) outline: Phase,
-    pub(crate) speed_mps: Vec<f64>,
-    /// Half-width of the 90 % band, where the model has one.
-    pub(crate) half_width_mps: Option<Vec<f64>>,
+/// Speeds over time, from 0.
+#[derive(Debug, Clone)]
+pub struct SpeedCurve<'a> {
+    /// Between two samples, in s
+    pub step_s: f64,
+    /// The samples
+    pub speed_mps: &'a [f64],
+    /// Half the width of a band about them, as long, where there is one
+    pub half_width_mps: Option<&'a [f64]>,
 }
 
-impl Example {
-    pub(crate) fn new(model: &PhaseModel, outline: Phase) -> Self {
-        let bands = model.bands(&outline);
-        Self {
-            speed_mps: model.predict(&outline),
-            half_width_mps: PredictiveBand::of_90_pct(&bands).map(|b| b.half_width_mps.clone()),
-            outline,
-        }
-    }
-}
-
-/// Speed over time of every example, with its 90 % band where there is one.
-pub(crate) fn draw(title: &str, examples: &[Example]) -> Result<String, PlotError> {
+/// Speed in km/h over time in s of every curve, with its band where there is one, as the text of an SVG document.
+///
+/// # Errors
+/// Where the drawing library fails; no content of `curves` makes it fail.
+pub fn speeds_with_bands(title: &str, curves: &[SpeedCurve<'_>]) -> Result<String, PictureError> {
     let mut svg = String::new();
     {
         let canvas = SVGBackend::with_string(&mut svg, SIZE_PX).into_drawing_area();
         canvas.fill(&WHITE)?;
-        let longest_s = fold(examples.iter().map(|e| e.outline.duration_s()));
-        let top_kmh = 3.6 * fold(examples.iter().flat_map(|e| e.speed_mps.iter().copied()));
+        let longest_s = greatest(curves.iter().map(SpeedCurve::duration_s));
+        let top_kmh = 3.6
+            * greatest(
+                curves
+                    .iter()
+                    .flat_map(|curve| curve.speed_mps.iter().copied()),
+            );
         let mut axes = ChartBuilder::on(&canvas)
             .caption(title, ("system-ui, sans-serif", 20))
             .margin(12)
@@ -54,11 +49,10 @@ pub(crate) fn draw(title: &str, examples: &[Example]) -> Result<String, PlotErro
             .y_desc("speed, km/h")
             .light_line_style(TRANSPARENT)
             .draw()?;
-        for (example, colour) in examples.iter().zip(COLOURS.iter().cycle()) {
+        for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
             let points = |offset: f64| {
-                let step_s = example.outline.step_s;
-                let widths = example.half_width_mps.as_deref();
-                example.speed_mps.iter().enumerate().map(move |(k, v)| {
+                let (step_s, widths) = (curve.step_s, curve.half_width_mps);
+                curve.speed_mps.iter().enumerate().map(move |(k, v)| {
                     let width = widths.and_then(|w| w.get(k)).copied().unwrap_or(0.0);
                     (
                         k as f64 * step_s,
@@ -77,6 +71,12 @@ pub(crate) fn draw(title: &str, examples: &[Example]) -> Result<String, PlotErro
     Ok(svg)
 }
 
-fn fold(values: impl Iterator<Item = f64>) -> f64 {
+impl SpeedCurve<'_> {
+    fn duration_s(&self) -> f64 {
+        self.speed_mps.len().saturating_sub(1) as f64 * self.step_s
+    }
+}
+
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.filter(|v| v.is_finite()).fold(0.0, f64::max)
 }

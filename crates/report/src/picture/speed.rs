@@ -1,17 +1,15 @@
-//! Recorded speed, coloured by driving phase, as an SVG picture (thesis figure 3.11).
+//! Recorded speed, coloured by driving phase (thesis figure 3.11).
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use driver_model::{PhaseKind, Span};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use crate::words::plural;
+use super::PictureError;
 
-/// What the drawing library may report.
-pub(crate) type PlotError = DrawingAreaErrorKind<std::io::Error>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -36,47 +34,86 @@ const FONT: &str = "system-ui, sans-serif";
 const INK: RGBColor = RGBColor(0x39, 0x42, 0x4c);
 const RULE: RGBColor = RGBColor(0xdd, 0xe1, 0xe5);
 const LIMIT: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
-const LEAD: RGBColor = BLACK;
 
 /// One drive: uniform samples of the speed and what was found in them.
-pub(crate) struct SpeedPlot<'a> {
-    pub(crate) title: &'a str,
-    /// Time of the first sample.
-    pub(crate) t0_s: f64,
-    pub(crate) step_s: f64,
-    /// Samples that are not finite leave a gap.
-    pub(crate) speed_mps: &'a [f64],
-    /// As long as the speed.
-    pub(crate) speed_limit_mps: Option<&'a [f64]>,
-    pub(crate) segments: &'a [Span],
+#[derive(Debug, Clone)]
+pub struct SpeedPlot<'a> {
+    /// Above its panel
+    pub title: &'a str,
+    /// Time of the first sample
+    pub t0_s: f64,
+    /// Between two samples
+    pub step_s: f64,
+    /// Samples that are not finite leave a gap
+    pub speed_mps: &'a [f64],
+    /// As long as the speed
+    pub speed_limit_mps: Option<&'a [f64]>,
+    /// In any order; what none of them covers is [`Behaviour::Other`]
+    pub stretches: Vec<Stretch>,
 }
 
-/// Green, red and blue as in the thesis, in shades that differ in lightness as well.
-fn phase_colour(kind: PhaseKind) -> RGBColor {
-    match kind {
-        PhaseKind::Acceleration => RGBColor(0x00, 0x9e, 0x73),
-        PhaseKind::Braking => RGBColor(0xc8, 0x2b, 0x1d),
-        PhaseKind::Cruise => RGBColor(0x1f, 0x6f, 0xd0),
-        PhaseKind::Other => RGBColor(0x9a, 0xa4, 0xae),
+/// Samples of one colour.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stretch {
+    /// From the first one to before the last
+    pub samples: Range<usize>,
+    /// What the driver does
+    pub behaviour: Behaviour,
+}
+
+/// What a driver does, in the order of the legend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Behaviour {
+    /// Speeds up
+    Acceleration,
+    /// Slows down
+    Braking,
+    /// Holds the speed
+    Cruise,
+    /// None of these
+    Other,
+    /// Any of these under the influence of the car ahead
+    LeadInfluenced,
+}
+
+impl Behaviour {
+    const ALL: [Self; 5] = [
+        Self::Acceleration,
+        Self::Braking,
+        Self::Cruise,
+        Self::Other,
+        Self::LeadInfluenced,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Braking => "braking",
+            Self::Cruise => "cruise",
+            Self::Other => "other",
+            Self::LeadInfluenced => "lead-influenced",
+        }
     }
-}
 
-/// Black under a leader's influence, whatever the phase.
-fn colour(phase: &Span) -> RGBColor {
-    if phase.lead_influenced {
-        LEAD
-    } else {
-        phase_colour(phase.kind)
+    /// Green, red and blue as in the thesis, in shades that differ in lightness as well, and black behind a leader.
+    fn colour(self) -> RGBColor {
+        match self {
+            Self::Acceleration => RGBColor(0x00, 0x9e, 0x73),
+            Self::Braking => RGBColor(0xc8, 0x2b, 0x1d),
+            Self::Cruise => RGBColor(0x1f, 0x6f, 0xd0),
+            Self::Other => RGBColor(0x9a, 0xa4, 0xae),
+            Self::LeadInfluenced => BLACK,
+        }
     }
 }
 
 /// Speed in km/h over time in s, a panel per drive from top to bottom, coloured by phase, with the segment boundaries as faint
 /// vertical lines and the speed limit as a thin step line. The result is the text of an SVG document. Of more than
-/// [`MAX_PANELS`] drives the first ones are drawn.
+/// 1000 drives the first ones are drawn.
 ///
 /// # Errors
 /// Where the drawing library fails; no content of `plots` makes it fail.
-pub(crate) fn speed_with_phases(plots: &[SpeedPlot<'_>]) -> Result<String, PlotError> {
+pub fn speed_with_phases(plots: &[SpeedPlot<'_>]) -> Result<String, PictureError> {
     let plots = plots.get(..MAX_PANELS).unwrap_or(plots);
     let panels = plots.len().max(1);
     let height_px = LEGEND_PX + PANEL_PX * panels as u32;
@@ -117,23 +154,21 @@ fn line(colour: RGBColor, quarter_px: u32) -> ShapeStyle {
     colour.stroke_width(quarter_px * UNITS_PER_PX / 4)
 }
 
-fn draw_remark(area: &Canvas<'_>, remark: &str) -> Result<(), PlotError> {
+fn draw_remark(area: &Canvas<'_>, remark: &str) -> Drawn {
     area.draw_text(remark, &text(14), (units(LEFT_PX), units(PANEL_PX / 2)))
 }
 
 /// The phases and lines that occur in any of the plots.
-fn draw_legend(area: &Canvas<'_>, plots: &[SpeedPlot<'_>]) -> Result<(), PlotError> {
-    let segments = || plots.iter().flat_map(|plot| plot.segments);
-    let mut entries: Vec<(&str, RGBColor, u32)> = PhaseKind::ALL
+fn draw_legend(area: &Canvas<'_>, plots: &[SpeedPlot<'_>]) -> Drawn {
+    let occurs = |behaviour: &Behaviour| {
+        let mut stretches = plots.iter().flat_map(|plot| &plot.stretches);
+        stretches.any(|stretch| stretch.behaviour == *behaviour)
+    };
+    let mut entries: Vec<(&str, RGBColor, u32)> = Behaviour::ALL
         .into_iter()
-        .filter(|phase| {
-            segments().any(|segment| segment.kind == *phase && !segment.lead_influenced)
-        })
-        .map(|phase| (phase.name(), phase_colour(phase), SPEED_LINE))
+        .filter(occurs)
+        .map(|behaviour| (behaviour.name(), behaviour.colour(), SPEED_LINE))
         .collect();
-    if segments().any(|segment| segment.lead_influenced) {
-        entries.push(("lead-influenced", LEAD, SPEED_LINE));
-    }
     if plots.iter().any(|plot| plot.speed_limit_mps.is_some()) {
         entries.push(("speed limit", LIMIT, LIMIT_LINE));
     }
@@ -149,7 +184,7 @@ fn draw_legend(area: &Canvas<'_>, plots: &[SpeedPlot<'_>]) -> Result<(), PlotErr
     Ok(())
 }
 
-fn draw_panel(area: &Canvas<'_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+fn draw_panel(area: &Canvas<'_>, plot: &SpeedPlot<'_>) -> Drawn {
     area.draw_text(
         &printable(plot.title),
         &text(15),
@@ -245,23 +280,22 @@ impl SpeedPlot<'_> {
     /// The samples cut into ranges of one colour, in time order, each with the first sample of the next so that they join.
     fn coloured_ranges(&self) -> Vec<(Range<usize>, RGBColor)> {
         let count = self.speed_mps.len();
-        let mut segments: Vec<&Span> = self
-            .segments
-            .iter()
-            .filter(|segment| segment.start < segment.end.min(count))
-            .collect();
-        segments.sort_by_key(|segment| segment.start);
-        let mut ranges = Vec::with_capacity(segments.len());
+        let other = Behaviour::Other.colour();
+        let has_samples =
+            |stretch: &&Stretch| stretch.samples.start < stretch.samples.end.min(count);
+        let mut stretches: Vec<&Stretch> = self.stretches.iter().filter(has_samples).collect();
+        stretches.sort_by_key(|stretch| stretch.samples.start);
+        let mut ranges = Vec::with_capacity(stretches.len());
         let mut covered = 0;
-        for segment in segments {
-            if covered < segment.start {
-                ranges.push((covered..segment.start + 1, phase_colour(PhaseKind::Other)));
+        for Stretch { samples, behaviour } in stretches {
+            if covered < samples.start {
+                ranges.push((covered..samples.start + 1, other));
             }
-            covered = segment.end.min(count);
-            ranges.push((segment.start..(covered + 1).min(count), colour(segment)));
+            covered = samples.end.min(count);
+            ranges.push((samples.start..(covered + 1).min(count), behaviour.colour()));
         }
         if covered < count {
-            ranges.push((covered..count, phase_colour(PhaseKind::Other)));
+            ranges.push((covered..count, other));
         }
         ranges
     }
@@ -272,16 +306,12 @@ fn kmh(speed_mps: f64) -> Option<f64> {
     Some(speed_mps * 3.6).filter(|speed_kmh| speed_kmh.abs() < 1e6)
 }
 
-fn draw_boundaries(
-    chart: &mut Axes<'_, '_>,
-    plot: &SpeedPlot<'_>,
-    frame: &Frame,
-) -> Result<(), PlotError> {
+fn draw_boundaries(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>, frame: &Frame) -> Drawn {
     let count = plot.speed_mps.len();
     let ends = plot
-        .segments
+        .stretches
         .iter()
-        .flat_map(|segment| [segment.start, segment.end]);
+        .flat_map(|stretch| [stretch.samples.start, stretch.samples.end]);
     // One line per column is all that can be seen.
     let columns: BTreeMap<usize, usize> = ends
         .filter(|&end| end > 0 && end < count)
@@ -298,7 +328,7 @@ fn draw_boundaries(
 }
 
 /// The limit as a step line, with a vertex only where it changes.
-fn draw_limit(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+fn draw_limit(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Drawn {
     let limits = plot
         .speed_limit_mps
         .unwrap_or_default()
@@ -327,7 +357,7 @@ fn draw_limit(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Result<(), Plot
     Ok(())
 }
 
-fn draw_speed(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Result<(), PlotError> {
+fn draw_speed(chart: &mut Axes<'_, '_>, plot: &SpeedPlot<'_>) -> Drawn {
     for (range, colour) in plot.coloured_ranges() {
         for run in thinned(plot.speed_mps, range, plot.stride()) {
             let points: Vec<(f64, f64)> = run
@@ -391,7 +421,7 @@ fn with_header(picture: &str, plots: &[SpeedPlot<'_>], height_px: u32) -> String
         ),
         _ => format!(
             "Speed over time of {}, coloured by driving phase",
-            plural(plots.len(), "drive")
+            format_args!("{} drives", plots.len())
         ),
     };
     format!(

@@ -26,7 +26,7 @@ pub struct Way {
 
 /// The commands of one robot, held until the next.
 #[derive(Debug, Clone)]
-pub struct Told {
+pub struct Commanded {
     wheel_base_m: f64,
     legs: VecDeque<Leg>,
 }
@@ -56,7 +56,7 @@ impl Way {
     }
 }
 
-impl Told {
+impl Commanded {
     /// No command yet; `wheel_base_m` is the distance between the wheels.
     #[must_use]
     pub fn new(wheel_base_m: f64) -> Self {
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn commands_hold_until_the_next() {
-        let mut told = Told::new(0.1);
+        let mut told = Commanded::new(0.1);
         let speeds = |speed_mps, turn_rate_rad_s| Speeds {
             speed_mps,
             turn_rate_rad_s,
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_robot_is_carried_along_by_its_commands() {
-        let mut told = Told::new(0.1);
+        let mut told = Commanded::new(0.1);
         let speeds = |speed_mps| Speeds {
             speed_mps,
             turn_rate_rad_s: 0.0,
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn sums_go_on_when_old_commands_are_forgotten() {
-        let mut told = Told::new(0.1);
+        let mut told = Commanded::new(0.1);
         for step in 0..10_000 {
             let speeds = Speeds {
                 speed_mps: 0.1,
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_robot_that_stands_for_long_is_remembered_to_have_driven_before() {
-        let mut told = Told::new(0.1);
+        let mut told = Commanded::new(0.1);
         let speeds = |speed_mps| Speeds {
             speed_mps,
             turn_rate_rad_s: 0.0,
