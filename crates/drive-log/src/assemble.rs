@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::body::Wanted;
-use crate::described::normalised;
-use crate::layout::{LogPlan, Plan, TimeColumns};
+use crate::columns::Wanted;
+use crate::header::normalised;
 use crate::note::Note;
 use crate::number::number;
 use crate::origin::{self, DriveRows};
+use crate::plan::{LogPlan, Plan, TimeColumns};
 use crate::quality::time::MAX_LATE;
 use crate::source::{Reading, Source, seconds};
 use crate::{Action, Channel, Error, FindingKind, RawLog};

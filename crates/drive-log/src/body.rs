@@ -9,31 +9,13 @@ use polars_io::SerReader;
 use polars_io::csv::read::{CsvEncoding, CsvReadOptions};
 
 use crate::cells::RowByRow;
-use crate::note::Note;
+use crate::columns::{Columns, Wanted};
+use crate::lines::{decoded, fields};
 use crate::number::{decided_mark, decimal_mark, number};
 use crate::origin::Kinds;
-use crate::text::{SNIFFED_ROWS, Table, decoded, fields};
-use crate::unit::Unit;
-use crate::{Channel, Error, TableError};
-
-/// A column of numbers to read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Wanted {
-    pub(crate) column: usize,
-    pub(crate) unit: Unit,
-    /// The channel; `None` for time. Without time and speed there is no sample: a word is an error
-    /// there, and no value elsewhere.
-    pub(crate) channel: Option<Channel>,
-}
-
-impl Wanted {
-    pub(crate) fn is_needed(self) -> bool {
-        matches!(self.channel, None | Some(Channel::Speed))
-    }
-}
-
-/// Values of columns, one vector per column, and what there is to say of them.
-pub(crate) type Columns = (Vec<Vec<f64>>, Vec<Note>);
+use crate::row_width::checked_row;
+use crate::text::Table;
+use crate::{Error, TableError};
 
 /// Reads columns of numbers: one vector per entry of `columns`, one value per row, NaN where
 /// missing. `missing` are the layout's words for that.
@@ -137,68 +119,6 @@ fn count_rows(path: &Path, table: &Table<'_>) -> Result<usize, Error> {
         }
     }
     Ok(count)
-}
-
-/// The fields of a row: as many as headers, or more if the surplus is empty.
-pub(crate) fn checked_row<'r>(
-    path: &Path,
-    table: &Table<'_>,
-    line: usize,
-    row: &'r str,
-) -> Result<Vec<&'r str>, Error> {
-    let expected = table.head.headers.len();
-    checked_fields(path, table.delimiter, expected, line, row)
-        .map_err(|ragged| width_of_all(path, table).unwrap_or(ragged))
-}
-
-/// The error where the rows are of one width and the header is of another.
-fn width_of_all(path: &Path, table: &Table<'_>) -> Option<Error> {
-    let expected = table.head.headers.len();
-    let mut widths = table.rows().take(SNIFFED_ROWS).map(|(line, row)| {
-        let width = fields(&decoded(row), table.delimiter).len();
-        (line, width)
-    });
-    let (line, found) = widths.next()?;
-    let (count, same) = widths.fold((1, true), |(count, same), (_, width)| {
-        (count + 1, same && width == found)
-    });
-    let header_line = table.head.line;
-    (same && count > 2 && found > 1 && found != expected && header_line > 0).then(|| {
-        TableError::HeaderWidth {
-            path: path.to_owned(),
-            line,
-            found,
-            expected,
-            header_line,
-        }
-        .into()
-    })
-}
-
-pub(crate) fn checked_fields<'r>(
-    path: &Path,
-    delimiter: u8,
-    expected: usize,
-    line: usize,
-    row: &'r str,
-) -> Result<Vec<&'r str>, Error> {
-    let line_text = row;
-    let row = fields(row, delimiter);
-    if row.len() < expected || row[expected..].iter().any(|field| !field.is_empty()) {
-        return Err(TableError::Ragged {
-            path: path.to_owned(),
-            line,
-            found: row.len(),
-            expected,
-            delimiter: char::from(delimiter),
-            other: [b',', b';', b'\t']
-                .into_iter()
-                .find(|other| fields(line_text, *other).len() == expected && expected > 1)
-                .map(char::from),
-        }
-        .into());
-    }
-    Ok(row)
 }
 
 fn fast(

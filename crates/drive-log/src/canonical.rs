@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::layout::{ChannelColumn, LogPlan, Plan, TimeColumns, list, speed_without_unit};
+use crate::header::{list, speed_without_unit};
+use crate::plan::{ChannelColumn, LogPlan, Plan, TimeColumns};
 use crate::unit::{Quantity, Unit};
 use crate::{Channel, Error};
 

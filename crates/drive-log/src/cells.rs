@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::body::{Columns, Wanted, checked_row};
+use crate::columns::{Columns, Wanted};
+use crate::lines::{decoded, fields};
 use crate::note::{About, Note, excerpt};
 use crate::number::{decimal_mark, is_missing, is_range, number, number_and_rest, thousands};
-use crate::text::{Table, decoded, fields};
+use crate::row_width::checked_row;
+use crate::text::Table;
 use crate::unit::Unit;
 use crate::{Action, Channel, Error, FindingKind, TableError};
 

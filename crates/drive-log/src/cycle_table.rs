@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use crate::layout::{ChannelColumn, LogPlan, Plan, TimeColumns, list};
+use crate::header::list;
+use crate::plan::{ChannelColumn, LogPlan, Plan, TimeColumns};
 use crate::unit::Unit;
 use crate::{Channel, Error};
 

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::layout::{ChannelColumn, Form, Head, LogPlan, Plan, TimeColumns};
+use crate::header::{Form, Head, normalised};
+use crate::plan::{ChannelColumn, LogPlan, Plan, TimeColumns};
 use crate::stamp::DateOrder;
 use crate::unit::{Quantity, Unit};
 use crate::{Channel, Error};
@@ -125,15 +126,6 @@ impl Place {
                 found: head.listed(),
             })
     }
-}
-
-/// A header without case, blanks and brackets, as real ones are dirty: `max. SoC [%)`.
-pub(crate) fn normalised(header: &str) -> String {
-    header
-        .chars()
-        .filter(|c| !c.is_whitespace() && !"[](){}<>\"".contains(*c))
-        .flat_map(char::to_lowercase)
-        .collect()
 }
 
 impl Described {

@@ -1,12 +1,12 @@
 //! What can go wrong between a file and a drive.
 
+mod no_log;
 mod table;
 
 use std::path::PathBuf;
 
+pub use no_log::NoLog;
 pub use table::TableError;
-
-use crate::collection::NoLog;
 
 /// Why a recording could not be read, prepared or written. Every message says what to do.
 #[derive(Debug, thiserror::Error)]

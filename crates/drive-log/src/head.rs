@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::Error;
+use crate::lines::{checked_text, decoded, fields, lines};
 use crate::number::number;
-use crate::text::{checked_text, decoded, fields, lines};
-use crate::{Error, parquet};
 
 /// Bytes that tell a log from other files.
 pub(crate) const HEAD_BYTES: usize = 64 << 10;
@@ -35,10 +35,11 @@ const FOREIGN: [(&[u8], &str); 14] = [
 
 pub(crate) const GZIP: &[u8] = &[0x1f, 0x8b];
 pub(crate) const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
+pub(crate) const PARQUET: &[u8] = b"PAR1";
 
 /// Whether bytes start as a compressed file or as Parquet, whose content only a decoder can judge.
 pub(crate) fn is_container(bytes: &[u8]) -> bool {
-    [GZIP, ZSTD, parquet::MAGIC]
+    [GZIP, ZSTD, PARQUET]
         .iter()
         .any(|magic| bytes.starts_with(magic))
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::described::{Described, normalised};
-use crate::stamp::DateOrder;
-use crate::unit::Unit;
-use crate::{Channel, Error, canonical, cycle_table, openacc};
+use crate::described::Described;
+use crate::header::{Form, Head};
+use crate::plan::Plan;
+use crate::{Error, canonical, cycle_table, openacc};
 
 /// Which layout a file is read with.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl Layout {
     /// Names of the built-in layouts.
     ///
     /// - `canonical`: `time_s` or `t`, `speed_mps`, `speed_kmh` or `v`, …: the suffix is the unit
-    ///   ([`Channel::name`]).
+    ///   ([`Channel::name`](crate::Channel::name)).
     /// - `bmw-i3`: BMW i3 trips, doi:10.21227/6jr9-5235; current becomes positive while
     ///   discharging.
     /// - `rsk-twizy`: Renault Twizy trips with the date and the clock as text.
@@ -190,139 +190,6 @@ impl Layout {
             Kind::Described(described) => described.plan(path, head),
             Kind::OpenAcc => openacc::plan(path, head),
             Kind::CycleTable => cycle_table::plan(path, &head.headers),
-        }
-    }
-}
-
-/// How a text file is laid out; what is `None` is sniffed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Form {
-    pub(crate) delimiter: Option<u8>,
-    pub(crate) decimal_comma: Option<bool>,
-    pub(crate) skip_lines: usize,
-    pub(crate) no_header: bool,
-}
-
-/// What stands before the data.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Head {
-    /// Lines before the header.
-    pub(crate) preamble: Vec<String>,
-    /// One per column; numbers where the file has no header.
-    pub(crate) headers: Vec<String>,
-    pub(crate) has_header: bool,
-    /// Line of the header, from 1.
-    pub(crate) line: usize,
-}
-
-impl Head {
-    /// The headers for a message: quoted, the first twenty.
-    pub(crate) fn listed(&self) -> String {
-        list(&self.headers)
-    }
-}
-
-/// Headers for a message: quoted, the first twenty, cut at sixty characters.
-pub(crate) fn list(headers: &[String]) -> String {
-    let mut text: Vec<String> = headers
-        .iter()
-        .take(20)
-        .map(|h| format!("{:?}", h.chars().take(60).collect::<String>()))
-        .collect();
-    if headers.len() > 20 {
-        text.push(format!("… ({} in all)", headers.len()));
-    }
-    text.join(", ")
-}
-
-/// Headers of a speed that do not say its unit.
-const SPEEDS: [&str; 10] = [
-    "speed",
-    "velocity",
-    "vel",
-    "gpsspeed",
-    "gps_speed",
-    "vehiclespeed",
-    "vehicle_speed",
-    "speed_obd",
-    "speed_gps",
-    "obd_speed",
-];
-
-/// The error where a header names a speed without its unit, which no layout guesses.
-pub(crate) fn speed_without_unit(path: &Path, headers: &[String]) -> Option<Error> {
-    let names_speed = |h: &&String| SPEEDS.contains(&normalised(h).as_str());
-    let header = headers.iter().find(names_speed)?;
-    Some(Error::UnstatedUnit {
-        path: path.to_owned(),
-        header: header.clone(),
-    })
-}
-
-/// What to read from a file, and what it becomes.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Plan {
-    pub(crate) time: TimeColumns,
-    pub(crate) logs: Vec<LogPlan>,
-    /// The columns whose values divide the file into drives; `None` for those that are named so.
-    pub(crate) split_by: Option<Vec<usize>>,
-    /// Words for missing values, besides those that always are.
-    pub(crate) missing: Vec<String>,
-    /// The order of dates such as `03/04/2026`.
-    pub(crate) date_order: Option<DateOrder>,
-}
-
-impl Plan {
-    pub(crate) fn new(time: TimeColumns, logs: Vec<LogPlan>) -> Plan {
-        Plan {
-            time,
-            logs,
-            split_by: None,
-            missing: Vec::new(),
-            date_order: None,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum TimeColumns {
-    Number {
-        column: usize,
-        unit: Unit,
-    },
-    /// Dates or clocks as text, or numbers that tell their unit.
-    Open {
-        column: usize,
-    },
-    DateAndClock {
-        date: usize,
-        clock: usize,
-    },
-}
-
-/// One log of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct LogPlan {
-    /// What follows `#` in the log's name, where a file holds several logs.
-    pub(crate) part: Option<String>,
-    pub(crate) columns: Vec<ChannelColumn>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ChannelColumn {
-    pub(crate) channel: Channel,
-    pub(crate) column: usize,
-    pub(crate) unit: Unit,
-    pub(crate) sign: f64,
-}
-
-impl ChannelColumn {
-    pub(crate) fn new(channel: Channel, column: usize, unit: Unit) -> ChannelColumn {
-        ChannelColumn {
-            channel,
-            column,
-            unit,
-            sign: 1.0,
         }
     }
 }

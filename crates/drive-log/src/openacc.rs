@@ -10,7 +10,8 @@
 
 use std::path::Path;
 
-use crate::layout::{ChannelColumn, Head, LogPlan, Plan, TimeColumns};
+use crate::header::Head;
+use crate::plan::{ChannelColumn, LogPlan, Plan, TimeColumns};
 use crate::unit::Unit;
 use crate::{Channel, Error};
 

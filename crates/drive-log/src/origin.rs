@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crate::described::normalised;
+use crate::header::normalised;
 use crate::note::Note;
 use crate::number::is_missing;
 use crate::{Action, FindingKind};

@@ -5,13 +5,11 @@ use std::path::Path;
 use parquet_table::Kind;
 
 use crate::Error;
-use crate::body::Wanted;
+use crate::columns::Wanted;
 use crate::compressed::LIMIT_BYTES;
-use crate::layout::Head;
+use crate::header::Head;
 use crate::note::excerpt;
-use crate::text::MAX_COLUMNS;
-
-pub(crate) const MAGIC: &[u8] = b"PAR1";
+use crate::top::MAX_COLUMNS;
 
 /// A Parquet file whose columns are known.
 pub(crate) struct File<'a> {

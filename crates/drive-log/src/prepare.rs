@@ -4,33 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::log::positive;
 use crate::resample::{drives, uniform};
-use crate::{Action, DriveLog, Error, Finding, RawLog, Smoothing, check};
-
-/// How a recording becomes drives. The default is the thesis's (section 3.4): 10 Hz, Hann window of
-/// 5 samples.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Preparation {
-    /// Step of the grid, s. Default 0.1.
-    pub step_s: f64,
-    /// Smoothing of the speed. Default `hann:5`.
-    pub smooth: Smoothing,
-    /// Longest time without a valid value that is interpolated, s; at longer ones the drive is cut.
-    /// Default 2.
-    pub max_gap_s: f64,
-    /// Take a uniform recording as it is: no repair, no resampling, no smoothing. Default false.
-    pub raw: bool,
-}
-
-impl Default for Preparation {
-    fn default() -> Preparation {
-        Preparation {
-            step_s: 0.1,
-            smooth: Smoothing::Hann(5),
-            max_gap_s: 2.0,
-            raw: false,
-        }
-    }
-}
+use crate::statistics::median_step_s;
+use crate::{Action, DriveLog, Error, Finding, Preparation, RawLog, check};
 
 /// What a recording became.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,20 +75,4 @@ pub fn prepare(log: RawLog, options: &Preparation) -> Result<Drive, Error> {
         samples,
         step_s,
     })
-}
-
-/// The (lower) median of the forward steps, s; 0 for fewer than two samples.
-pub(crate) fn median_step_s(time_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time_s
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|step| *step > 0.0)
-        .collect();
-    if steps.is_empty() {
-        return 0.0;
-    }
-    let middle = (steps.len() - 1) / 2;
-    let step_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    // without the rounding of the difference of two times
-    (step_s * 1e9).round() / 1e9
 }

@@ -7,9 +7,12 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use crate::head::names_a_speed;
-use crate::layout::{Form, Head, Layout, LayoutChoice, Plan, speed_without_unit};
+use crate::head::{PARQUET, names_a_speed};
+use crate::header::{Form, Head, speed_without_unit};
+use crate::layout::{Layout, LayoutChoice};
+use crate::lines::{checked_text, with_line_feeds};
 use crate::note::Note;
+use crate::plan::Plan;
 use crate::source::Source;
 use crate::text::Table;
 use crate::tidy::tidied;
@@ -120,13 +123,13 @@ fn with_source<T>(
     let layouts = Layout::candidates(layout)?;
     let content = compressed::decompressed(path, bytes, compressed::LIMIT_BYTES)?;
     let text;
-    let (layout, plan, source, notes) = if content.starts_with(parquet::MAGIC) {
+    let (layout, plan, source, notes) = if content.starts_with(PARQUET) {
         let file = parquet::File::open(path, &content)?;
         let layout = chosen(path, &layouts, &file.head)?;
         let plan = layout.plan(path, &file.head)?;
         (layout, plan, Source::Parquet(file), Vec::new())
     } else {
-        text = text::with_line_feeds(text::checked_text(path, &content)?);
+        text = with_line_feeds(checked_text(path, &content)?);
         let (layout, table) = recognised(path, &text, &layouts)?;
         let plan = layout.plan(path, &table.head)?;
         let (table, notes) = tidied(path, table, &plan)?;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::prepare::median_step_s;
 use crate::quality::Checked;
+use crate::statistics::median_step_s;
 use crate::{
     Action, Channel, DriveLog, Error, Finding, FindingKind, Preparation, RawLog, Smoothing, hann,
 };

@@ -1,18 +1,20 @@
 //! Rows of a log that is still being written.
 
 mod regular;
+mod row;
 
 use std::io::{BufRead, Read as _};
 use std::path::{Path, PathBuf};
 
-use crate::body::checked_fields;
 use crate::cells::cell;
-use crate::layout::{ChannelColumn, Plan, TimeColumns};
+use crate::lines::{decoded, fields};
 use crate::log::positive;
+use crate::plan::{ChannelColumn, Plan, TimeColumns};
 use crate::quality::plausible;
-use crate::text::{decoded, fields};
+use crate::row_width::checked_fields;
 use crate::{Channel, Error, canonical};
 use regular::{Arrival, Regular, Sample};
+pub use row::Row;
 
 /// Longest line that is read, in bytes.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -23,19 +25,6 @@ const STEP_TOLERANCE: f64 = 0.1;
 /// Acceleration that tyres cannot transmit, and what a coarse sensor may add in one step.
 const TYRE_LIMIT_MPS2: f64 = 10.0;
 const COARSE_STEP_MPS: f64 = 1.0;
-
-/// One sample, a step after the one before it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
-    /// Time on the recording's own clock, s.
-    pub time_s: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-    /// Distance to a vehicle ahead, m; NaN where there is none.
-    pub lead_gap_m: f64,
-    /// The first sample of a piece: of the stream, after a gap, or after the clock was set back.
-    pub starts_piece: bool,
-}
 
 /// Reads canonical CSV row by row as it comes, in constant memory: a header with `time_s`,
 /// `speed_kmh` and so on, and `,`, `;` or tab as delimiter.

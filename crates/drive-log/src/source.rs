@@ -2,14 +2,17 @@
 
 use std::path::Path;
 
-use crate::body::{self, Wanted};
+use crate::body;
 use crate::clock::Clock;
-use crate::layout::{Head, Plan, TimeColumns};
+use crate::columns::Wanted;
+use crate::header::Head;
+use crate::lines::{decoded, fields};
 use crate::note::{Note, excerpt};
 use crate::number::{is_missing, number};
 use crate::origin::Kinds;
+use crate::plan::{Plan, TimeColumns};
 use crate::stamp::stamp;
-use crate::text::{Table, decoded, fields};
+use crate::text::Table;
 use crate::time_unit::{certain, unpacked};
 use crate::unit::Unit;
 use crate::{Action, Error, Finding, FindingKind, parquet};

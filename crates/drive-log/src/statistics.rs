@@ -68,3 +68,19 @@ impl Moments {
 pub(crate) fn near(value: f64, target: f64, tolerance: f64) -> bool {
     (value / target).ln().abs() <= tolerance.ln_1p()
 }
+
+/// The (lower) median of the forward steps, s; 0 for fewer than two samples.
+pub(crate) fn median_step_s(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| *step > 0.0)
+        .collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = (steps.len() - 1) / 2;
+    let step_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // without the rounding of the difference of two times
+    (step_s * 1e9).round() / 1e9
+}

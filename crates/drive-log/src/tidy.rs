@@ -4,10 +4,11 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::path::Path;
 
-use crate::layout::{Plan, TimeColumns};
+use crate::lines::{decoded, fields, is_comment};
 use crate::note::{About, Note, excerpt};
 use crate::number::{is_missing, number};
-use crate::text::{Table, decoded, fields, is_comment};
+use crate::plan::{Plan, TimeColumns};
+use crate::text::Table;
 use crate::top::names;
 use crate::unit::Unit;
 use crate::{Action, Error, FindingKind, TableError};

@@ -1,6 +1,6 @@
 //! What a column of times in numbers says about its unit.
 
-use crate::prepare::median_step_s;
+use crate::statistics::median_step_s;
 use crate::unit::Unit;
 
 const DAY_S: f64 = 86_400.0;

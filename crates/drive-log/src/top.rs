@@ -4,10 +4,17 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::Error;
-use crate::layout::Form;
+use crate::header::Form;
+use crate::lines::{decoded, fields, is_comment, lines};
 use crate::note::excerpt;
 use crate::number::number;
-use crate::text::{MAX_COLUMNS, SNIFFED_ROWS, decoded, fields, is_comment, lines};
+
+/// Columns of a file at most. Real logs have tens; a row per channel instead of a row per sample
+/// has millions.
+pub(crate) const MAX_COLUMNS: usize = 10_000;
+
+/// Rows that decide on delimiter and decimal mark.
+pub(crate) const SNIFFED_ROWS: usize = 20;
 
 /// Longest line among those that decide on header, delimiter and decimal mark, in bytes: more than
 /// the most columns need.

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::folders::{files_below, is_hidden};
-use super::{NoLog, Repeated};
+use super::repeated::Repeated;
 use crate::Error;
+use crate::error::NoLog;
 
 const LOG_SUFFIXES: [&str; 4] = ["csv", "tsv", "txt", "parquet"];
 const COMPRESSION_SUFFIXES: [&str; 2] = ["gz", "zst"];

@@ -1,9 +1,8 @@
 //! Accelerometers in another unit, turned, late or off level.
 
-use super::Checked;
+use super::checked::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
-use crate::prepare::median_step_s;
-use crate::statistics::{correlation, mean, near, slope};
+use crate::statistics::{correlation, mean, median_step_s, near, slope};
 use crate::{Action, Channel, FindingKind};
 
 /// Seconds in motion that say something, faster than this, m/s, and by how much the car must change

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::checked::Checked;
 use super::motion::spans;
-use super::{Checked, constant_runs};
+use super::runs::constant_runs;
 use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 

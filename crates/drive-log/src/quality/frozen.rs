@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{Checked, constant_runs};
+use super::checked::Checked;
+use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
 /// A car this fast moves; below, a speed may be a sensor's offset at standstill.

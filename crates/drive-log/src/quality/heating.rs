@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::{Checked, constant_runs};
+use super::checked::Checked;
+use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
 /// A pulse: shorter than this, s, and higher than what is around it by this, W. Heaters ramp over

@@ -1,12 +1,15 @@
 //! Values that are repeated in rows until the sensor gives the next one.
 
+mod renewal;
 mod updates;
 
 use std::ops::Range;
 
-use super::{Checked, constant_runs};
+use super::checked::Checked;
+use super::runs::constant_runs;
 use crate::statistics::{mean, quantile};
 use crate::{Action, Channel, FindingKind};
+use renewal::Renewal;
 use updates::Updates;
 
 /// Limits, and powers that are set, hold their values by themselves; everything else is measured all the time.
@@ -51,16 +54,6 @@ const TYPICAL: f64 = 0.98;
 
 /// A speed that is renewed less often is not known in between, s; it is cut there as everywhere. The default of `max_gap_s`.
 const SLOWEST_SPEED_S: f64 = 2.0;
-
-/// How a held channel is renewed.
-#[derive(Debug, Clone, Copy)]
-struct Renewal {
-    /// Mean time from update to update, and what a tenth exceeds, s.
-    interval_s: f64,
-    long_s: f64,
-    /// Deviation of these times over their mean.
-    irregularity: f64,
-}
 
 /// Puts the line between updates in the place of values that were repeated until the next one.
 pub(super) fn collapse(checked: &mut Checked) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::Checked;
+use super::checked::Checked;
 use crate::{Action, Finding, FindingKind};
 
 /// Samples further apart do not say whether there was a jump, s.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Checked;
+use super::checked::Checked;
 use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 

@@ -1,9 +1,10 @@
 //! Speed limits in another unit than their header says.
 
-use super::Checked;
+use super::checked::Checked;
 use super::motion::spans;
 use super::sentinel::HIGHEST_LIMIT_MPS;
-use super::speed_unit::{MISTAKES, limit_share};
+use super::speed_mistake::MISTAKES;
+use super::speed_unit::limit_share;
 use crate::{Action, Channel, FindingKind};
 
 /// Limits come in steps of this, in km/h and in mph; no more than the second figure.

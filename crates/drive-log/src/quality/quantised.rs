@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-use super::{Checked, constant_runs};
-use crate::prepare::median_step_s;
-use crate::statistics::quantile;
+use super::checked::Checked;
+use super::runs::constant_runs;
+use crate::statistics::{median_step_s, quantile};
 use crate::{Action, Channel, FindingKind};
 
 /// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: whole km/h at 1 Hz.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::Checked;
+use super::checked::Checked;
 use crate::{Action, Channel, FindingKind};
 
 /// What a road vehicle can have, in SI units; wide enough for every one of them.

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::{Checked, constant_runs};
+use super::checked::Checked;
+use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
 /// A code lasts longer than a spike, s, and at least this many samples.

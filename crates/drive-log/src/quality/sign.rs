@@ -1,6 +1,6 @@
 //! The sign of the battery current.
 
-use super::Checked;
+use super::checked::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
 use crate::statistics::{correlation, significance};
 use crate::{Action, Channel, FindingKind};

@@ -2,24 +2,11 @@
 
 mod witnesses;
 
-use super::Checked;
+use super::checked::Checked;
+use super::speed_mistake::Mistake;
 use crate::{Action, Channel, FindingKind};
 pub(super) use witnesses::limit_share;
 use witnesses::{Objection, Witness, Witnesses};
-
-/// Speeds that are read in the wrong unit, and how many times too large they are then, from the
-/// largest.
-pub(super) const MISTAKES: [Mistake; 6] = [
-    (3.6, "km/h read as m/s"),
-    (1.0 / 0.44704, "mph read as m/s"),
-    (1.609_344, "km/h read as mph"),
-    (1.0 / 1.609_344, "mph read as km/h"),
-    (0.44704, "m/s read as mph"),
-    (1.0 / 3.6, "m/s read as km/h"),
-];
-
-/// A factor and what it stands for.
-pub(super) type Mistake = (f64, &'static str);
 
 /// Beyond this not even racing cars come, m/s.
 const RACING_MPS: f64 = 100.0;

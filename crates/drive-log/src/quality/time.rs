@@ -1,7 +1,7 @@
 //! Time that does not run forward.
 
-use super::Checked;
-use crate::prepare::median_step_s;
+use super::checked::Checked;
+use crate::statistics::median_step_s;
 use crate::{Action, Finding, FindingKind, RawLog};
 
 /// Samples that may come late before it is the clock that was set back.

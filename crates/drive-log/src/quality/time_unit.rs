@@ -1,8 +1,7 @@
 //! Times in another unit than their header says.
 
-use super::Checked;
-use crate::prepare::median_step_s;
-use crate::statistics::quantile;
+use super::checked::Checked;
+use crate::statistics::{median_step_s, quantile};
 use crate::{Action, Finding, FindingKind};
 
 /// Units that are taken for others, and the factor that puts the times right.

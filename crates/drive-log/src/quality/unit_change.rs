@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::Checked;
-use super::speed_unit::MISTAKES;
+use super::checked::Checked;
+use super::speed_mistake::MISTAKES;
 use crate::{Action, Channel, FindingKind};
 
 /// Samples further apart are not compared, s; slower than this, a factor is noise, m/s.

@@ -1,6 +1,6 @@
 //! Samples on a grid, while they come.
 
-use super::Row;
+use super::row::Row;
 use crate::quality::time::MAX_LATE;
 use crate::resample::ON_GRID;
 

@@ -1,6 +1,7 @@
 //! When a held channel was renewed, and the line between its updates.
 
-use super::{Renewal, constant_runs};
+use super::super::runs::constant_runs;
+use super::renewal::Renewal;
 
 /// A value that stays for longer than a long interval, times this, was renewed in between.
 const RENEWED: f64 = 1.25;

@@ -3,7 +3,7 @@
 use super::super::distance;
 use super::super::motion::{Span, spans};
 use super::super::power::{Car, Load, Usual, loads};
-use super::{MISTAKES, Mistake};
+use super::super::speed_mistake::{MISTAKES, Mistake};
 use crate::statistics::{correlation, near, quantile, slope};
 use crate::{Channel, RawLog};
 
