@@ -144,7 +144,7 @@ impl DriverModel {
             (Self::Trip(driver), Situation::Road { road, step_s }) => {
                 Ok(driver.drive(road, *step_s, None)?.speed_mps)
             }
-            _ => Err(self.kind().is_not_of(situation.subject())),
+            _ => Err(Error::not_of(situation.subject(), self.kind())),
         }
     }
 

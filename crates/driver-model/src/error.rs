@@ -185,6 +185,10 @@ fn listed(left_out: &[LeftOut]) -> String {
 }
 
 impl Error {
+    pub(crate) fn not_of(subject: Subject, model: ModelKind) -> Self {
+        Self::Subject { model, subject }
+    }
+
     /// The same with the name of the drive that it is about, where it does not say so yet.
     #[must_use]
     pub fn in_log(self, log: &str) -> Self {

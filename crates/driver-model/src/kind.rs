@@ -1,8 +1,6 @@
 use serde::{Deserialize, Serialize};
 use strum::{Display, EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
-use crate::Error;
-
 /// Every model, in the order in which tables print them; names as on the command line and in JSON.
 #[derive(
     Debug,
@@ -145,13 +143,6 @@ impl ModelKind {
     pub fn of(subject: Subject) -> impl Iterator<Item = Self> {
         let all = Self::VARIANTS.iter().copied();
         all.filter(move |kind| kind.subject() == subject)
-    }
-
-    pub(crate) fn is_not_of(self, subject: Subject) -> Error {
-        Error::Subject {
-            model: self,
-            subject,
-        }
     }
 
     /// Printed with every table and never chosen.

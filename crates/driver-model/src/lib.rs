@@ -51,6 +51,7 @@
 //! - A. Kesting, M. Treiber: Calibrating car-following models by using trajectory data. Transportation Research Record
 //!   2088, 2008.
 
+mod accel_point;
 pub mod cruise;
 mod drive_behaviour;
 mod driver_model;
@@ -60,6 +61,7 @@ mod fit;
 pub mod following;
 mod function_fit;
 mod grid;
+mod heuristic;
 mod kind;
 mod lead;
 mod least_squares;
@@ -71,7 +73,9 @@ pub mod phase_model;
 pub mod portrait;
 pub mod road;
 mod segmenter;
+mod span;
 pub mod speed_ahead;
+mod speed_group;
 mod statistical;
 pub mod statistics;
 mod stream;
@@ -79,23 +83,24 @@ mod tally;
 mod training;
 pub mod trip_driver;
 
+pub use accel_point::AccelPoint;
 pub use drive_behaviour::{DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
 pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, without};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
+pub use heuristic::HeuristicRules;
 pub use kind::{ModelKind, Subject};
 pub use lead::{INFLUENCE_GAP_S, lead_influenced};
 pub use model::PhaseModel;
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
 pub use motion::{Motion, SlopeSource};
-pub use phase::{
-    HeuristicRules, Onset, Phase, PhaseCurve, PhaseKind, PhaseSpeeds, Span, most_divided,
-};
-pub use phase_model::SpeedGroup;
+pub use phase::{Onset, Phase, PhaseCurve, PhaseSpeeds};
 pub use segmenter::{MethodFigures, Segmenter};
+pub use span::{PhaseKind, Span, most_divided};
+pub use speed_group::SpeedGroup;
 pub use statistical::{
     Method, Optimality, Scaling, Segmented, Segments, StatisticalRules, dead_banded,
 };
 pub use stream::{PhaseStream, Reading, StreamedPhase};
-pub use training::{AccelPoint, PointsOf, TrainingPhase, TrainingSet};
+pub use training::{PointsOf, TrainingPhase, TrainingSet};

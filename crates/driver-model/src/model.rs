@@ -67,7 +67,7 @@ impl PhaseModel {
             ModelKind::Constant => Self::Constant(Constant::fit(training)?),
             ModelKind::Straight => Self::Straight,
             ModelKind::Smoothstep => Self::Smoothstep,
-            _ => return Err(kind.is_not_of(Subject::Phases)),
+            _ => return Err(Error::not_of(Subject::Phases, kind)),
         })
     }
 

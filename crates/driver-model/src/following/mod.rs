@@ -113,7 +113,7 @@ impl Family {
         match kind {
             ModelKind::Idm => Ok(&IDM),
             ModelKind::ConstantTimeGap => Ok(&CONSTANT_TIME_GAP),
-            _ => Err(kind.is_not_of(Subject::Following)),
+            _ => Err(Error::not_of(Subject::Following, kind)),
         }
     }
 }

@@ -19,10 +19,11 @@ pub use exponential::Exponential;
 pub use inverse::Inverse;
 pub use kernel_ridge::GaussianBasis;
 pub use profile::Profile;
-pub use rise_time::{GroupConstant, RiseTime, SpeedGroup};
+pub use rise_time::{GroupConstant, RiseTime};
 pub use step_response::{StepCharacteristics, StepResponse};
 pub use transition_point::{GroupResponse, TransitionPoint, identify};
 
+pub use crate::speed_group::SpeedGroup;
 use crate::{AccelPoint, Error};
 
 fn need_points(model: &'static str, points: &[AccelPoint], needed: usize) -> Result<(), Error> {

@@ -1,8 +1,10 @@
 use std::f64::consts::FRAC_PI_2;
 
-use super::STANDSTILL_MPS;
 use super::limit::{LIMIT_MPS, rounded_limit};
 use crate::Error;
+
+/// Slower than this a car stands, m/s.
+pub(crate) const STANDSTILL_MPS: f64 = 0.3;
 
 /// Stops nearer to each other than this are one, m.
 pub(crate) const STOP_SPACING_M: f64 = 5.0;

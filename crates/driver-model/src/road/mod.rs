@@ -4,11 +4,9 @@ pub(crate) mod limit;
 pub(crate) mod map;
 
 use crate::Error;
+pub(crate) use map::STANDSTILL_MPS;
 use map::Stretch;
 pub use map::{LimitFrom, RoadMap, RoadStop, SlopeAt, SlowPoint};
-
-/// Slower than this a car stands, m/s.
-pub(crate) const STANDSTILL_MPS: f64 = 0.3;
 
 /// Distance of two nodes of a road.
 pub const NODE_SPACING_M: f64 = 1.0;

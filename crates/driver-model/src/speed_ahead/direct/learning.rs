@@ -23,7 +23,7 @@ impl DirectModel {
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
         if kind.subject() != Subject::SpeedAhead {
-            return Err(kind.is_not_of(Subject::SpeedAhead));
+            return Err(Error::not_of(Subject::SpeedAhead, kind));
         }
         settings.check()?;
         let mut model = Self::fit_points(kind, motions, settings)?;
