@@ -33,6 +33,11 @@ pub(crate) fn rounded(value: f64, decimals: i32) -> f64 {
     (value * scale).round() / scale
 }
 
+/// To a millimetre per second, which no picture shows; not a number becomes null.
+pub(crate) fn millimetres(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.map(|value| rounded(value, 3)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use driver_model::ModelKind;
 use serde::Serialize;
 
-use super::EvaluatedPhase;
+use super::fold::EvaluatedPhase;
 
 /// What a predictive band holds of held-out phases.
 #[derive(Debug, Clone, PartialEq, Serialize)]

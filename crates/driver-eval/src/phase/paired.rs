@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use driver_model::ModelKind;
 use serde::Serialize;
 
-use super::EvaluatedPhase;
+use super::fold::EvaluatedPhase;
 use crate::ratio_interval::RatioInterval;
 
 /// Two models on the same held-out phases: which is better, and is that more than chance.

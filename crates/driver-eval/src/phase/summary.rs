@@ -4,7 +4,8 @@ use driver_model::statistics::{mean, median};
 use driver_model::{ModelKind, SpeedGroup};
 use serde::Serialize;
 
-use super::{EvaluatedPhase, Fold, PhasePrediction};
+use super::fold::{EvaluatedPhase, Fold};
+use super::prediction::PhasePrediction;
 
 /// Mean, median and mean absolute value of energy differences; positive where the prediction uses less.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

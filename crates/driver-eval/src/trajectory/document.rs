@@ -8,8 +8,8 @@ use driver_model::trip_driver::TripDriver;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::Trajectories;
 use super::free_run::{FreeRuns, curve};
-use super::{Trajectories, millimetres};
 use crate::Error;
 use crate::speed_ahead::TrajectoryData;
 use crate::speed_ahead::{
@@ -17,6 +17,7 @@ use crate::speed_ahead::{
 };
 use crate::trip_driver::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip};
 use crate::units::{Units, UnitsEntry};
+use crate::words::millimetres;
 
 /// What a document says of [`Trajectories`].
 #[derive(Debug, Serialize)]

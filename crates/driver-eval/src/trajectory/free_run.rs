@@ -6,9 +6,9 @@ use driver_model::trip_driver::FreeRun;
 use ev_energy::Vehicle;
 use serde_json::{Value, json};
 
-use super::millimetres;
 use crate::Error;
 use crate::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
+use crate::words::millimetres;
 
 /// The evaluation with what the road may know, the less first.
 #[derive(Debug, Clone, PartialEq)]

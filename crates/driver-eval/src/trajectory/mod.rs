@@ -13,7 +13,7 @@ use crate::speed_ahead::{
     TrajectoryData, TrajectoryEvaluation, TrajectorySettings, evaluate_trajectory,
 };
 use crate::trip_driver::FreeRunSettings;
-use crate::words::{plural, rounded};
+use crate::words::plural;
 pub use document::{TrajectoryDocument, with_curves};
 pub use free_run::FreeRuns;
 
@@ -159,9 +159,4 @@ fn without_limits(motions: &[Motion]) -> String {
             plural(motions.len(), "drive")
         ),
     }
-}
-
-/// To a millimetre per second, which no picture shows; not a number becomes null.
-fn millimetres(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    values.map(|value| rounded(value, 3)).collect()
 }
