@@ -1,19 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Kernel, Samples, Settings};
-
-/// How predictors or responses are brought to a common scale before fitting.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scaling {
-    /// As they are.
-    None,
-    /// Mean 0 and standard deviation 1 (divisor n − 1).
-    #[default]
-    Standardize,
-    /// Least value −1, greatest 1.
-    Range,
-}
+use crate::{Error, Kernel, Samples, Scaling, Settings};
 
 /// `x' = (x − offset)·factor` per column. A column that is constant in training gets factor 0: it says nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

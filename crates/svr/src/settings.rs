@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::quantile::hazen;
-use crate::{Error, Kernel, Scaling};
+use crate::{Error, Kernel};
 
 /// What to fit, and how. The default is a linear model of standardised predictors with MATLAB's penalties.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +38,19 @@ impl Default for Settings {
             stopping: Stopping::default(),
         }
     }
+}
+
+/// How predictors or responses are brought to a common scale before fitting.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scaling {
+    /// As they are.
+    None,
+    /// Mean 0 and standard deviation 1 (divisor n − 1).
+    #[default]
+    Standardize,
+    /// Least value −1, greatest 1.
+    Range,
 }
 
 /// Whether a kernel is replaced by a linear model on as many features as there are landmarks (Nyström's method).

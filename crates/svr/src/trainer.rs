@@ -1,5 +1,3 @@
-use serde::{Deserialize, Serialize};
-
 use crate::deadline::Deadline;
 use crate::linear::Target;
 use crate::linear_rows::LinearRows;
@@ -8,22 +6,7 @@ use crate::nystrom::Nystrom;
 use crate::scaler::Scaler;
 use crate::subproblem::slopes;
 use crate::two_variable::KernelProblem;
-use crate::{Error, Kernel, Landmarks, Penalty, Response, Samples, Settings, UsedPenalty};
-
-/// How a solver ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[must_use]
-pub enum Status {
-    /// Within the tolerance.
-    Optimal,
-    /// Stopped by the number of iterations; gap and residual say how far off.
-    IterationLimit,
-    /// Stopped by the clock.
-    TimeLimit,
-    /// No progress any more, at the limit of the arithmetic. Scale the predictors.
-    Stalled,
-}
+use crate::{Error, Kernel, Landmarks, Penalty, Response, Samples, Settings, Status, UsedPenalty};
 
 /// A fitted model, and how good the fit is as an optimum. All figures are on the scale of the fitted response.
 #[derive(Debug, Clone, PartialEq)]
