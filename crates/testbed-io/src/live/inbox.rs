@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use unicycle_cbf::{Pose, Speeds, StampedPose};
+use unicycle_cbf::{Speeds, StampedPose};
 
 use super::clock::Clock;
 use super::clock_rate::ClockRate;
 use super::counts::{Counts, Dropped};
 use super::disbelieved::Disbelieved;
 use super::gate::{Bounds, Gate};
+use super::seen::Seen;
 use super::senders::Senders;
 use super::stamps::{StampMap, Stamping};
 
@@ -24,19 +25,6 @@ const JUMPS_APART_S: f64 = 5.0;
 const MOST_CHARACTERS: usize = 200;
 /// Poses that wait for the loop: of twenty robots at 100 Hz those of half a minute. A loop that hangs for longer has not watched.
 const MOST_ARRIVED: usize = 1 << 16;
-
-/// A pose as a source gives it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
-    /// How the tracker calls the robot
-    pub id: u32,
-    /// Where
-    pub pose: Pose,
-    /// When, on the tracker's own clock in s, if it says so
-    pub stamp_s: Option<f64>,
-    /// How old the pose was when the stamp was made or, without a stamp, when it was sent, in s, as far as is known
-    pub age_s: f64,
-}
 
 /// Shared by the receiving threads and the loop.
 #[derive(Debug, Clone)]

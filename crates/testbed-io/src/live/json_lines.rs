@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use unicycle_cbf::{Pose, Speeds, WheelSpeeds};
 
 use super::commands::Command;
-use super::inbox::Seen;
+use super::seen::Seen;
 
 /// The longest line that is read, in bytes.
 pub(super) const LONGEST: usize = 4096;

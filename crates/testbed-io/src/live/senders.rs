@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use unicycle_cbf::Pose;
 
 use super::gate::{Bounds, distance_m, turned_rad};
-use super::inbox::Seen;
+use super::seen::Seen;
 
 /// Two clocks differ by more than what is late, in s.
 const CLOCKS_APART_S: f64 = 0.5;

@@ -1,8 +1,7 @@
 //! CRC-32 (IEEE 802.3) of what was logged so far.
 
 use crc32fast::Hasher;
-
-use super::{Column, Values};
+use parquet_table::{Column, Values};
 
 /// The check of all fields so far.
 #[derive(Debug, Clone, Default)]

@@ -11,11 +11,14 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use ::csv::{ByteRecord, Writer};
+use parquet_table::{Column, Values};
 
 use super::check::Check;
 use super::csv_old;
+use super::flaw::{DAMAGED, Flaw, shortened};
+use super::kind::{Kind, kind, letter};
 use super::records::{Records, check_fields, header, line, push, text};
-use super::{Column, DAMAGED, Flaw, Kind, LogTable, Values, shortened, table};
+use super::table::{LogTable, table};
 
 const ABOUT: &str = "about";
 const END: &str = " end";
@@ -161,23 +164,6 @@ impl<'a> About<'a> {
             is_empty: short.is_some(),
             meta: meta.strip_suffix('}')?,
         })
-    }
-}
-
-fn letter(kind: Kind) -> char {
-    match kind {
-        Kind::Float => 'f',
-        Kind::Integer => 'i',
-        Kind::Text => 't',
-    }
-}
-
-pub(super) fn kind(letter: char) -> Option<Kind> {
-    match letter {
-        'f' => Some(Kind::Float),
-        'i' => Some(Kind::Integer),
-        't' => Some(Kind::Text),
-        _ => None,
     }
 }
 

@@ -2,9 +2,10 @@
 
 use ::csv::ByteRecord;
 
-use super::csv::kind;
+use super::flaw::{DAMAGED, Flaw, shortened};
+use super::kind::{Kind, kind};
 use super::records::{Records, check_fields, header, push};
-use super::{DAMAGED, Flaw, Kind, LogTable, shortened, table};
+use super::table::{LogTable, table};
 
 pub(super) const MAGIC: &str = "# drivekit run log 1 ";
 const TYPES: &str = "# types ";

@@ -12,9 +12,11 @@ use std::io::{Cursor, Write};
 
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::{Compression, McapResult, WriteOptions, Writer};
+use parquet_table::{Column, Values};
 use serde_json::{Map, Value, json};
 
-use super::{Column, Kind, LogTable, Values};
+use super::kind::Kind;
+use super::table::LogTable;
 use crate::Error;
 
 pub(super) const NAME: &str = "drivekit";

@@ -6,10 +6,14 @@ use std::ops::ControlFlow;
 use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ::mcap::{MAGIC, McapError, parse_record};
+use parquet_table::{Column, Values};
 use serde_json::{Map, Value};
 
+use super::flaw::{DAMAGED, Flaw, shortened};
+use super::kind::Kind;
+use super::limits::MAX_BYTES;
 use super::mcap::{INFINITE, NAME, TICK_SCHEMA};
-use super::{Column, DAMAGED, Flaw, Kind, LogTable, MAX_BYTES, Values, shortened, table};
+use super::table::{LogTable, table};
 
 /// The largest record or chunk that is read, in bytes.
 const MAX_RECORD: usize = 256 << 20;

@@ -1,11 +1,13 @@
 //! Run logs as Apache Parquet files.
 
+use parquet_table::{Column, Values};
+use parquet_table::{Error, File, Kind};
 use std::io::{self, Write};
 
-use parquet_table::{Error, File, Kind};
-
 use super::check::Check;
-use super::{Column, DAMAGED, Flaw, LogTable, MAX_BYTES, MAX_COLUMNS, Values, shortened, table};
+use super::flaw::{DAMAGED, Flaw, shortened};
+use super::limits::{MAX_BYTES, MAX_COLUMNS};
+use super::table::{LogTable, table};
 
 /// The key of the metadata in the footer.
 const KEY: &str = "drivekit";

@@ -1,8 +1,11 @@
 //! Records of CSV files, whole ones apart from what is left of one that was cut.
 
 use ::csv::{ByteRecord, Reader, ReaderBuilder};
+use parquet_table::{Column, Values};
 
-use super::{Column, DAMAGED, Flaw, Kind, MAX_COLUMNS, Values, shortened};
+use super::flaw::{DAMAGED, Flaw, shortened};
+use super::kind::Kind;
+use super::limits::MAX_COLUMNS;
 
 /// The whole records of a file.
 pub(super) struct Records<'a> {

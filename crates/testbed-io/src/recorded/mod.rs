@@ -5,115 +5,17 @@
 //! International Journal of Robotics Research 30(8), 2011), motion capture of Pioneer robots, and
 //! CSV.
 
+mod layout;
+mod recording;
 mod text;
 mod tidy;
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
-
 use crate::Error;
+pub use layout::RecordingLayout;
+pub use recording::{Finding, FindingKind, RecordedPose, RecordedRobot, Recording};
 use text::RawRobot;
-
-/// The planar pose of a robot at a time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RecordedPose {
-    /// In s from the start of the recording
-    pub time_s: f64,
-    /// In m
-    pub x_m: f64,
-    /// In m
-    pub y_m: f64,
-    /// In rad, from the x axis to the left, as recorded: not wrapped
-    pub heading_rad: f64,
-}
-
-/// The poses of a robot, with times that increase.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RecordedRobot {
-    /// From the file's name, or from the column `robot`
-    pub name: String,
-    /// At least one
-    pub poses: Vec<RecordedPose>,
-    /// What is odd about them, at most one of each kind
-    pub findings: Vec<Finding>,
-}
-
-/// The robots that were recorded together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
-    /// The earliest time of any robot, in s of the recording's clock; all times count from here
-    pub start_s: f64,
-    /// In the order of the files, and within a file of their first pose; at least one
-    pub robots: Vec<RecordedRobot>,
-}
-
-/// Something odd about a robot's poses.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
-    /// What is odd
-    pub kind: FindingKind,
-    /// How often
-    pub count: usize,
-    /// When for the first time, in s from the start of the recording; the time of the pose before
-    /// for lines that are no poses, none if no pose comes before
-    pub first_at_s: Option<f64>,
-    /// One sentence with numbers
-    pub detail: String,
-}
-
-/// What can be odd.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum FindingKind {
-    /// Lines without four numbers within ±1e12; dropped
-    NoNumbers,
-    /// Times earlier than the one before; sorted
-    OutOfOrder,
-    /// A time more than once; the newest pose is kept
-    DuplicateTime,
-    /// Faster than 5 m/s from one pose to the next; kept
-    Jump,
-    /// More than 0.5 s between poses
-    Gap,
-    /// Headings beyond a full turn, at least three; not converted
-    Degrees,
-}
-
-/// How a recording is laid out.
-///
-/// - MRCLAM: time in s, x and y in m, heading in rad, between blanks; `#` begins a comment. A file per robot, named
-///   `<robot>_Groundtruth.dat`
-/// - Pioneer: a file per robot, named `<robot>_mocap_ground_pose.csv`
-/// - CSV: these columns in any order among others, `robot` unless the file is one robot's, with comma, semicolon or tab between them
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Default,
-    Serialize,
-    EnumMessage,
-    EnumString,
-    IntoStaticStr,
-    VariantArray,
-)]
-#[serde(rename_all = "kebab-case")]
-#[strum(serialize_all = "kebab-case")]
-pub enum RecordingLayout {
-    /// By header and extension
-    #[default]
-    Auto,
-    /// Groundtruth files of UTIAS MRCLAM: time x y heading
-    Mrclam,
-    /// t_s,x_m,y_m,theta_rad
-    PioneerMocap,
-    /// time_s,robot,x_m,y_m,heading_rad
-    Csv,
-}
 
 /// Reads a recording from files. A folder stands for all `*_Groundtruth.dat` in it, by name.
 ///

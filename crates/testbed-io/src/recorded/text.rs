@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::{RecordedPose, RecordingLayout};
+use super::layout::RecordingLayout;
+use super::recording::RecordedPose;
 use crate::Error;
 
 pub(super) const GROUNDTRUTH: &str = "_Groundtruth.dat";

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use super::recording::{Finding, FindingKind, RecordedPose, RecordedRobot};
 use super::text::RawRobot;
-use super::{Finding, FindingKind, RecordedPose, RecordedRobot};
 
 /// Faster than any robot of a testbed, in m/s.
 const MAX_SPEED: f64 = 5.0;

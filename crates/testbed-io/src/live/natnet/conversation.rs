@@ -6,7 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::super::counts::Dropped;
-use super::super::inbox::{Inbox, Seen};
+use super::super::inbox::Inbox;
+use super::super::seen::Seen;
 use super::axes::floor_pose;
 use super::decode::{decode, is_frame};
 use super::encode::{encode_connect, encode_keep_alive};

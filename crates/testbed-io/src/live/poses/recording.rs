@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use unicycle_cbf::StampedPose;
 
 use crate::error::Error;
-use crate::live::inbox::{Inbox, Seen};
+use crate::live::inbox::Inbox;
+use crate::live::seen::Seen;
 use crate::log_file;
 
 /// Which run log, and how fast.

@@ -7,7 +7,8 @@ use rumqttc::{AsyncClient, Event, EventLoop, Packet, Publish, QoS, SubscribeReas
 use tokio::sync::watch;
 
 use super::super::counts::Dropped;
-use super::super::inbox::{Inbox, Seen};
+use super::super::inbox::Inbox;
+use super::super::seen::Seen;
 use super::RobotariumSpec;
 use super::messages::{LARGEST_MESSAGE, decode_poses};
 use super::problem::Problem;
