@@ -6,11 +6,11 @@ use crate::decision::{Brake, Decision, Outcome, Terms};
 use crate::error::Error;
 use crate::lateral::{Deviation, Lateral, radial};
 use crate::limits::Limits;
+use crate::located::Located;
 use crate::path::{Path, PathPoint};
 use crate::pose::State;
 use crate::qp::{self, Status};
 use crate::settings::{ControllerSettings, Literal};
-use crate::track::Located;
 use crate::unicycle::{Body, Input};
 
 /// The part of the objectives that scenarios change over time.

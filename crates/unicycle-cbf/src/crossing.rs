@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use crate::error::Error;
 use crate::path::Path;
+use crate::path::span::Span;
 
 /// Samples of the path at most, and their spacing as a share of what is near. Longer paths are sampled more coarsely, and what is near
 /// is then more: no robot drives so far within a day.
@@ -13,15 +14,6 @@ const SPACING: f64 = 0.25;
 const MOST_HITS: usize = 1 << 22;
 /// Hits that are no farther apart on either branch, in samples, belong together.
 const TOGETHER: isize = 2;
-
-/// A part of a closed path.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
-    /// Where it begins, in m along the path
-    pub from_m: f64,
-    /// In m
-    pub length_m: f64,
-}
 
 /// Two parts of a path, on which only one of two robots can be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,26 +129,6 @@ impl Samples {
 const NEIGHBOURS: [[i64; 2]; 9] = [
     [-1, -1], [-1, 0], [-1, 1], [0, -1], [0, 0], [0, 1], [1, -1], [1, 0], [1, 1],
 ];
-
-impl Span {
-    /// How far a place is past the beginning, in m, from minus half a lap on.
-    #[must_use]
-    pub fn past_m(&self, path: &Path, s_m: f64) -> f64 {
-        let past_m = path.distance_along_m(self.from_m, s_m);
-        let lap_m = path.length_m().unwrap_or(f64::INFINITY);
-        if past_m > 0.5 * (lap_m + self.length_m) {
-            past_m - lap_m
-        } else {
-            past_m
-        }
-    }
-
-    /// Whether a place is within.
-    #[must_use]
-    pub fn contains(&self, path: &Path, s_m: f64) -> bool {
-        path.distance_along_m(self.from_m, s_m) <= self.length_m
-    }
-}
 
 /// Groups of neighbouring hits.
 fn clusters(mut hits: Vec<Hit>, count: usize, square_m2: impl Fn(Hit) -> f64) -> Vec<Cluster> {

@@ -69,6 +69,7 @@ mod lateral;
 mod library;
 mod lie;
 mod limits;
+mod located;
 mod margin;
 mod others;
 pub mod path;
@@ -78,6 +79,7 @@ mod plausible;
 mod pose;
 mod predictor;
 pub mod qp;
+mod radii;
 mod rows;
 mod scenario;
 mod settings;
@@ -87,7 +89,7 @@ mod track;
 mod unicycle;
 
 pub use controller::{Around, Controller, Leader, Objectives, Safety, Tracking};
-pub use crossing::{Crossing, Span};
+pub use crossing::Crossing;
 pub use decision::{Brake, Decision, Outcome, Terms};
 pub use demands::Demands;
 pub use error::Error;
@@ -96,6 +98,8 @@ pub use lateral::{Course, Deviation, Lateral, Progress};
 pub use library::Testbed;
 pub use lie::Lie;
 pub use limits::Limits;
+pub use located::Located;
+pub use path::span::Span;
 pub use pilot::{Ahead, Pilot, Place, Sighting, Surroundings};
 pub use pose::{Pose, Speeds, State};
 pub use predictor::{Predictor, StampedPose};
@@ -104,7 +108,7 @@ pub use scenario::{PathSpec, RobotSpec, Scenario, ScenarioSpec, Tracker};
 pub use settings::{
     ControllerSettings, Distance, Hardening, HeadwaySettings, LaneSettings, Literal, Preset,
 };
-pub use track::{Located, Tracks};
+pub use track::Tracks;
 pub use unicycle::{Affine, Body, Centripetal, Input, WheelSpeeds};
 
 /// The examples of the README.

@@ -6,6 +6,7 @@ use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
 use crate::cbf::LaneBarrier;
 use crate::error::Error;
 use crate::lateral::Deviation;
+use crate::radii;
 use crate::scenario::{PathSpec, RobotSpec, ScenarioSpec, Tracker};
 use crate::settings::{
     ControllerSettings, Distance, Hardening, HeadwaySettings, LaneSettings, Preset,
@@ -77,18 +78,6 @@ impl Testbed {
         }
     }
 
-    /// The one whose robots have these wheels.
-    pub(crate) fn with_wheel_base(wheel_base_m: f64) -> Option<Self> {
-        let same = |from_m: f64, to_m: f64| (from_m..=to_m).contains(&wheel_base_m);
-        if same(0.0884, 0.0886) {
-            Some(Self::Khepera)
-        } else if same(0.1049, 0.1101) {
-            Some(Self::Robotarium)
-        } else {
-            None
-        }
-    }
-
     /// What has to stay free between two bodies, in m. On the Robotarium points 25 mm ahead of the axles have to be 0.135 m apart.
     fn clearance_m(self) -> f64 {
         match self {
@@ -107,7 +96,7 @@ impl Testbed {
                 inertia_kgm2: 1.5e-3,
                 centripetal: Centripetal::Printed,
                 wheel_base_m: 0.0885,
-                radius_m: Some(0.065),
+                radius_m: Some(radii::KHEPERA_M),
                 max_wheel_speed_mps: 0.3148,
                 max_turn_rate_rad_s: 2.2763,
                 max_wheel_acceleration_mps2: Some(5.0),
@@ -118,7 +107,7 @@ impl Testbed {
                 inertia_kgm2: 1e-4,
                 centripetal: Centripetal::Printed,
                 wheel_base_m: 0.11,
-                radius_m: Some(0.055),
+                radius_m: Some(radii::ROBOTARIUM_M),
                 max_wheel_speed_mps: 0.2,
                 max_turn_rate_rad_s: 0.4 / 0.11,
                 max_wheel_acceleration_mps2: Some(5.0),

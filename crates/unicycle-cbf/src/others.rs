@@ -5,11 +5,11 @@ use crate::cbf::{self, Axle};
 use crate::controller::{Around, Controller, Leader};
 use crate::lateral::Frenet;
 use crate::lie::Lie;
+use crate::located::Located;
 use crate::margin::{self, Moment};
 use crate::pose::State;
 use crate::rows::{RowKind, Rows};
 use crate::settings::{Distance, Literal};
-use crate::track::Located;
 
 /// Robots whose bodies have a row, that of the robot ahead among them.
 const MOST_BODIES: usize = 5;

@@ -2,10 +2,10 @@
 
 use crate::controller::{Around, Controller, Leader, Objectives};
 use crate::decision::{Brake, Decision, Outcome};
+use crate::located::Located;
 use crate::path::PathPoint;
 use crate::pose::{Pose, Speeds};
 use crate::predictor::{Predictor, StampedPose};
-use crate::track::Located;
 
 /// What one robot's controller remembers between steps.
 #[derive(Debug, Clone)]

@@ -6,9 +6,9 @@ use crate::controller::Controller;
 use crate::crossing::Crossing;
 use crate::error::Error;
 use crate::lateral::Frenet;
+use crate::located::Located;
 use crate::pose::State;
 use crate::settings::Distance;
-use crate::track::Located;
 
 /// Along the path two places are apart by more than half a circle of this diameter, in what is near: a bend is no crossing.
 const APART: f64 = PI;

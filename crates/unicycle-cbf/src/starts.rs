@@ -1,9 +1,9 @@
 //! Whether robots can start where they shall.
 
 use crate::error::Error;
+use crate::located::Located;
 use crate::pose::Speeds;
 use crate::scenario::Scenario;
-use crate::track::Located;
 
 impl Scenario {
     /// Where a robot starts along the path, in m.

@@ -3,8 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::controller::{Controller, Safety};
-use crate::crossing::Span;
+use crate::located::Located;
 use crate::path::PathPoint;
+use crate::path::span::Span;
 use crate::pose::State;
 use crate::scenario::Scenario;
 
@@ -17,22 +18,6 @@ const MOST_HALF_WIDTHS: f64 = 2.0;
 
 /// Slower robots stand, in m/s.
 const STANDING_MPS: f64 = 5e-3;
-
-/// A robot, and about where it is along the path as far as that is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Located {
-    /// Of its point of interest
-    pub state: State,
-    /// Where its foot is, or was a moment before, in m along the path
-    pub near_m: Option<f64>,
-}
-
-impl From<State> for Located {
-    fn from(state: State) -> Self {
-        let near_m = None;
-        Self { state, near_m }
-    }
-}
 
 /// All robots over time, from the front.
 #[derive(Debug, Clone, PartialEq)]

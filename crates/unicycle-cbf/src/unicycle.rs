@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::library::Testbed;
 use crate::pose::{Speeds, State};
+use crate::radii;
 
 /// How far a body reaches beyond its wheels where that is not known, in m.
 const BESIDE_WHEELS_M: f64 = 0.025;
@@ -130,7 +130,7 @@ impl Body {
     #[must_use]
     pub fn radius_m(&self) -> f64 {
         let half_m = 0.5 * self.wheel_base_m;
-        let of_testbed = || Testbed::with_wheel_base(self.wheel_base_m)?.body().radius_m;
+        let of_testbed = || radii::with_wheel_base(self.wheel_base_m);
         // A wheel base that differs in its last digits may have wheels that stand out of the testbed's body.
         let radius_m = self.radius_m.or_else(|| Some(of_testbed()?.max(half_m)));
         radius_m.unwrap_or(half_m + BESIDE_WHEELS_M)

@@ -28,19 +28,14 @@ mod error;
 mod grid;
 mod polar;
 mod search;
+pub(crate) mod span;
 mod spline;
 mod straight;
-
-use crate::crossing::Span;
 
 pub use closed::ClosedPath;
 pub use error::PathError;
 pub use polar::PolarPath;
 pub use straight::StraightPath;
-
-/// Samples of a part of a path, and steps of refinement from the best.
-const SPAN_SAMPLES: u32 = 12;
-const SPAN_STEPS: u32 = 4;
 
 /// A point of a path and the Frenet frame there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,27 +124,6 @@ impl Path {
             Self::Straight(path) => path.nearest(x_m, y_m),
             Self::Closed(path) => path.nearest(x_m, y_m),
         }
-    }
-
-    /// The point of a part of the path that is nearest to a given one: the best of samples, refined.
-    #[must_use]
-    pub fn nearest_within(&self, span: &Span, x_m: f64, y_m: f64) -> PathPoint {
-        let at = |share: f64| self.at(span.from_m + share * span.length_m);
-        let square = |point: &PathPoint| (point.x_m - x_m).powi(2) + (point.y_m - y_m).powi(2);
-        let mut best = at(0.0);
-        for sample in 1..=SPAN_SAMPLES {
-            let point = at(f64::from(sample) / f64::from(SPAN_SAMPLES));
-            if square(&point) < square(&best) {
-                best = point;
-            }
-        }
-        for _ in 0..SPAN_STEPS {
-            let [tx, ty] = best.tangent;
-            let along_m = (x_m - best.x_m) * tx + (y_m - best.y_m) * ty;
-            let stretch = 1.0 + best.curvature_1pm * best.deviation_m(x_m, y_m);
-            best = self.at(best.s_m + along_m / stretch.max(0.5));
-        }
-        best
     }
 
     /// The point at an arc length, in m, which wraps around on closed paths.
