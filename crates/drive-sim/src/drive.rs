@@ -2,8 +2,9 @@ use super::braking::Braking;
 use super::driver::PhaseHabit;
 use super::random::Random;
 use super::route::{LegEnd, Route};
+use super::settings::SynthSettings;
 use super::traffic::Traffic;
-use super::{Regime, SynthSettings, TruePhase};
+use super::true_phase::{Regime, TruePhase};
 use driver_model::INFLUENCE_GAP_S;
 
 /// The motion of one drive as it really is, before any sensor.

@@ -40,123 +40,22 @@ mod error;
 mod random;
 mod route;
 mod sensors;
+mod settings;
 mod traffic;
+mod true_phase;
 
 pub use driver::{Cruise, Pace, SimulatedDriver};
 pub use error::Error;
+pub use settings::SynthSettings;
+pub use true_phase::{Regime, TruePhase};
 
 use drive_log::DriveLog;
-use driver_model::Phase;
 use ev_energy::Vehicle;
 use serde::Serialize;
-
-use error::check;
 
 use random::{Random, Stream};
 use route::Route;
 use traffic::Traffic;
-
-/// What to simulate. The default is twelve drives of 10 min, each about 0.3 MB as CSV.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SynthSettings {
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Number of drives, 1 to 999.
-    pub drives: usize,
-    /// Duration of each, 10 s to a day.
-    pub duration_s: f64,
-    /// Sampling interval, 0.01 to 1 s.
-    pub step_s: f64,
-    /// The driver.
-    pub driver: SimulatedDriver,
-    /// How much phases and stretches differ: 0 not at all, 1 as with a real driver, at most 2.
-    pub variation: f64,
-    /// Whether sensors are noisy and coarse. Standard deviation and resolution of the noisy channels, resolution without
-    /// noise: speed 0.015, 0.01, 10⁻⁴ m/s; elevation 0.1, 0.1, 10⁻³ m; gap 0.2, 0.1, 10⁻³ m; lead speed 0.1, 0.05,
-    /// 10⁻⁴ m/s; voltage 0.15, 0.1, 10⁻³ V; current 0.4, 0.1, 10⁻³ A. Only coarser: slope 10⁻⁴, 10⁻⁵ rad; state of
-    /// charge 0.1, 10⁻³ %. A standing wheel has no noise.
-    pub sensor_noise: bool,
-    /// Whether there are vehicles ahead now and then, and a sensor for them in the car.
-    pub leaders: bool,
-}
-
-impl Default for SynthSettings {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            drives: 12,
-            duration_s: 600.0,
-            step_s: 0.1,
-            driver: SimulatedDriver::default(),
-            variation: 1.0,
-            sensor_noise: true,
-            leaders: true,
-        }
-    }
-}
-
-/// Which part of the driver decides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Regime {
-    /// Waiting at a stop line.
-    Standstill,
-    /// Speeding up on a free road.
-    Acceleration,
-    /// Holding limit plus bias on a free road.
-    Cruise,
-    /// Slowing down for a lower limit, a turn or a stop line.
-    Braking,
-    /// A vehicle ahead allows no more.
-    Following,
-}
-
-/// A stretch of a simulated drive in one regime.
-///
-/// Neighbours share a sample: the last of one phase is the first of the next, so that every step between two samples
-/// belongs to one phase.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TruePhase {
-    /// The regime.
-    pub regime: Regime,
-    /// First sample.
-    pub start: usize,
-    /// One past the last sample.
-    pub end: usize,
-    /// Speed at the first sample.
-    pub start_speed_mps: f64,
-    /// Speed aimed at.
-    pub target_speed_mps: f64,
-    /// Whether an acceleration or braking phase ran to its end; where not, the next phase says what cut it short, such
-    /// as following a vehicle that cut in. `true` in other regimes.
-    pub complete: bool,
-}
-
-impl TruePhase {
-    fn open(regime: Regime, start: usize, start_speed_mps: f64, target_speed_mps: f64) -> Self {
-        Self {
-            regime,
-            start,
-            end: start + 1,
-            start_speed_mps,
-            target_speed_mps,
-            complete: false,
-        }
-    }
-
-    /// What the true model knows of an acceleration phase. The end speed is the one aimed at: the rise-time model stops
-    /// at 95.96 % of it, the others at the last sample that does not exceed it.
-    #[must_use]
-    pub fn outline(&self, step_s: f64) -> Phase {
-        Phase {
-            start_speed_mps: self.start_speed_mps,
-            end_speed_mps: self.target_speed_mps,
-            step_s,
-            samples: self.end - self.start,
-            onset: None,
-        }
-    }
-}
 
 /// One simulated drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -253,31 +152,4 @@ fn simulate_one(
         random(Stream::Sensors),
     )?;
     Ok(SimulatedDrive { log, phases })
-}
-
-impl SynthSettings {
-    /// Samples of one drive.
-    fn samples(&self) -> usize {
-        (self.duration_s / self.step_s).round() as usize
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        check("drives", self.drives as f64, 1.0..=999.0, "1 to 999")?;
-        check("step_s", self.step_s, 0.01..=1.0, "0.01 to 1")?;
-        check(
-            "duration_s",
-            self.duration_s,
-            10.0..=86_400.0,
-            "10 to 86400",
-        )?;
-        check("variation", self.variation, 0.0..=2.0, "0 to 2")?;
-        let samples = self.drives as f64 * self.duration_s / self.step_s;
-        check(
-            "drives · duration_s / step_s",
-            samples,
-            1.0..=2e7,
-            "at most 20 million samples",
-        )?;
-        self.driver.check()
-    }
 }

@@ -3,11 +3,11 @@ use std::collections::BTreeMap;
 use drive_log::{Channel, DriveLog};
 use ev_energy::Vehicle;
 
-use super::SynthSettings;
 use super::drive::Motion;
 use super::random::Random;
 use super::route::Route;
-use crate::Error;
+use super::settings::SynthSettings;
+use crate::error::Error;
 
 /// Usable energy of the battery, from which the state of charge is counted: 28 kWh, the thesis's car.
 const BATTERY_ENERGY_J: f64 = 28.0 * 3.6e6;
