@@ -16,6 +16,7 @@ mod places;
 mod progress;
 mod render;
 mod require;
+mod target;
 mod temporary;
 mod words;
 

@@ -2,12 +2,13 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 
 use crate::flags::Context;
+use crate::target::{folder_of, is_stream, resolved};
 use crate::temporary::Temporary;
 
 /// Whether someone still reads stdout.
@@ -78,39 +79,6 @@ pub(crate) fn check_file_place(path: &Path) -> anyhow::Result<()> {
             folder.display()
         ),
     }
-}
-
-pub(crate) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-/// Links in a row that are followed.
-const MOST_LINKS: usize = 40;
-
-/// The end of a chain of links, whether or not there is a file.
-pub(crate) fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
-    let mut end = path.to_owned();
-    for _ in 0..MOST_LINKS {
-        match fs::read_link(&end) {
-            Ok(target) => end = folder_of(&end).join(target),
-            Err(_) => return Ok(end),
-        }
-    }
-    bail!(
-        "cannot write `{}`: its links lead to no file",
-        path.display()
-    )
-}
-
-/// Whether a path is written to as it stands: a device, a pipe, or what the shell has opened already.
-pub(crate) fn is_stream(path: &Path) -> bool {
-    let is_opened = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"]
-        .iter()
-        .any(|opened| path.starts_with(opened));
-    is_opened || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 /// Writes a file beside its place and renames it, so that a failure leaves what was there. A link stays and its target is

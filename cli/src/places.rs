@@ -7,7 +7,8 @@ use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 
 use crate::inputs;
-use crate::output::{check_file_place, is_stream, resolved};
+use crate::output::check_file_place;
+use crate::target::{folder_of, is_stream, resolved};
 
 /// Flags that name a file to write; the others name what is read.
 const OUTPUTS: [&str; 4] = ["output", "report", "plot", "trace"];
@@ -184,7 +185,7 @@ fn flag(arg: &Arg) -> String {
 
 /// With the links in its folder followed.
 fn absolute(path: &Path) -> PathBuf {
-    let folder = fs::canonicalize(crate::output::folder_of(path)).unwrap_or_default();
+    let folder = fs::canonicalize(folder_of(path)).unwrap_or_default();
     path.file_name()
         .map_or(folder.clone(), |name| folder.join(name))
 }

@@ -1,8 +1,8 @@
 //! What stderr says about inputs.
 
-use drive_log::collection::{NoLog, Repeated};
+use drive_log::SourcedDrive;
+use drive_log::collection::{Beside, NoLog, Repeated};
 
-use super::{Beside, Input};
 use crate::flags::Context;
 use crate::output;
 use crate::words::plural;
@@ -54,7 +54,7 @@ pub(super) fn listed(files: &[NoLog]) -> String {
     format!("{files}: {}", names.join(", "))
 }
 
-pub(super) fn layouts(inputs: &[Input], context: &Context) {
+pub(super) fn layouts(inputs: &[SourcedDrive], context: &Context) {
     for input in inputs {
         let (path, layout) = (&input.path, &input.layout);
         let samples = plural(input.drive.samples, "sample");
@@ -62,7 +62,7 @@ pub(super) fn layouts(inputs: &[Input], context: &Context) {
     }
 }
 
-pub(super) fn findings(inputs: &[Input], context: &Context) {
+pub(super) fn findings(inputs: &[SourcedDrive], context: &Context) {
     let found: usize = inputs.iter().map(|i| i.drive.findings.len()).sum();
     let logs = inputs
         .iter()

@@ -3,6 +3,7 @@
 mod beyond;
 mod campaign;
 mod check;
+mod ended;
 mod explain;
 mod live;
 mod replay;

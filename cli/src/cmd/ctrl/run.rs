@@ -13,6 +13,7 @@ use unicycle_cbf::{Demands, Preset, Scenario};
 
 use super::beyond;
 use super::check;
+use super::ended::Ended;
 use super::live::{self, LiveArgs, LiveSession};
 use super::run_text::{text, why_not_known};
 use super::scenario::{Named, ScenarioArgs};
@@ -130,7 +131,7 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
         Ok(judged)
     });
     // Robots that may still move are worse than a file that cannot be written.
-    let outcome = ended.outcome()?;
+    let outcome = outcome(&ended)?;
     let judged = shown?;
     Ok(match outcome {
         Outcome::Done => judged,
@@ -138,31 +139,17 @@ pub(crate) fn run(args: &RunArgs, context: &Context) -> anyhow::Result<Outcome> 
     })
 }
 
-/// A run that is over, in simulation or on real robots.
-pub(super) struct Ended {
-    run: LoggedRun,
-    pub(super) summary: Summary,
-    pub(super) timing: Timing,
-    pub(super) live: Option<LiveReport>,
-}
-
-impl Ended {
-    fn outcome(&self) -> anyhow::Result<Outcome> {
-        if let Some(live) = &self.live {
-            live::check(live)?;
-        }
-        match self.summary.verdict {
-            Verdict::Safe => Ok(Outcome::Done),
-            Verdict::Unsafe => Ok(Outcome::Negative),
-            Verdict::NotKnown => anyhow::bail!(
-                "whether it was safe is not known: {}",
-                why_not_known(self.doubts())
-            ),
-        }
+fn outcome(ended: &Ended) -> anyhow::Result<Outcome> {
+    if let Some(live) = &ended.live {
+        live::check(live)?;
     }
-
-    pub(super) fn doubts(&self) -> &[String] {
-        self.live.as_ref().map_or(&[], |live| &live.doubts)
+    match ended.summary.verdict {
+        Verdict::Safe => Ok(Outcome::Done),
+        Verdict::Unsafe => Ok(Outcome::Negative),
+        Verdict::NotKnown => anyhow::bail!(
+            "whether it was safe is not known: {}",
+            why_not_known(ended.doubts())
+        ),
     }
 }
 

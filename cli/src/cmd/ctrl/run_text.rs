@@ -2,8 +2,8 @@
 
 use testbed_sim::{LeastDistance, Summary, Verdict};
 
+use super::ended::Ended;
 use super::live;
-use super::run::Ended;
 use super::scenario::Named;
 use crate::render::table::{Table, number};
 use crate::words::plural;

@@ -1,15 +1,15 @@
+mod body;
 mod text;
 mod trace;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
 use driver_model::Motion;
-use driver_model::energy::{DriveEnergy, EnergyTotals, PowerCurve, drive_energy};
+use driver_model::energy::{DriveEnergy, EnergyTotals, drive_energy};
 use driver_model::motion;
-use ev_energy::{CalibrationRecord, Vehicle};
+use ev_energy::Vehicle;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -22,6 +22,7 @@ use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
 use crate::require::{KnownFigures, RequireArgs};
+use body::{Body, Entry, Totals};
 
 /// Where the energy of drives went, against measured battery power where the log has it
 ///
@@ -128,33 +129,4 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         output::note(context, &format!("report written to {}", path.display()));
     }
     Ok(inputs::outcome(&inputs).and(outcome))
-}
-
-#[derive(Serialize)]
-struct Body<'a> {
-    totals: Vec<Totals<'a>>,
-    logs: Vec<Entry<'a>>,
-}
-
-/// All logs with one vehicle.
-#[derive(Serialize)]
-struct Totals<'a> {
-    vehicle: &'a str,
-    /// How far to trust it.
-    calibration: Option<CalibrationRecord>,
-    #[serde(flatten)]
-    totals: EnergyTotals,
-}
-
-/// One log with one vehicle.
-#[derive(Serialize)]
-struct Entry<'a> {
-    name: &'a str,
-    origin: &'a BTreeMap<String, String>,
-    vehicle: &'a str,
-    #[serde(flatten)]
-    energy: DriveEnergy,
-    /// On the report page only.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    curve: Option<PowerCurve>,
 }

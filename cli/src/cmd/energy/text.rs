@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use driver_model::energy::Measured;
 use ev_energy::{JOULES_PER_KWH, TripEnergy};
 
-use super::{Body, Entry, Totals};
+use super::body::{Body, Entry, Totals};
 use crate::render::table::{Table, number};
 use crate::words::plural;
 

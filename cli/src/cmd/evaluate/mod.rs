@@ -1,101 +1,28 @@
 //! The main job: how well models predict drives that they have not seen.
 
+mod args;
 mod hold_out;
 mod text;
 mod trajectory;
+mod trajectory_args;
 
-use std::path::PathBuf;
-
-use clap::{Args, ValueEnum};
 use driver_eval::behaviour::{
     BehaviourDocument, BehaviourEvaluation, BehaviourSettings, evaluate_behaviour, with_curves,
 };
 use driver_eval::phase::{EvaluationData, EvaluationSettings};
 use driver_eval::units::Units;
 use driver_model::{ModelKind, Subject};
-use serde::Serialize;
 
 use super::left_out;
-use super::phases::PhaseArgs;
-use super::prior::PriorArgs;
-use super::vehicle_arg::VehicleArg;
 use crate::exit::Outcome;
-use crate::flags::{Context, Format, LogArgs};
+use crate::flags::{Context, Format};
 use crate::inputs::{self, Inputs};
-use crate::names;
-use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{KnownFigures, RequireArgs};
-use hold_out::HoldOutArgs;
-use trajectory::TrajectoryArgs;
-
-/// Leave-one-out over models and baselines: the main job
-///
-/// Each drive is held out once; every model is fitted on the others and predicts the held-out acceleration and braking
-/// phases from what it may know of them, and cruising and following where the logs have them. Without logs, the drives
-/// are twelve simulated ones that come with the program.
-#[derive(Debug, Args, Serialize)]
-#[command(after_help = "\
-Examples:
-  drivekit evaluate
-  drivekit evaluate logs/ --vehicle bmw-i3-60ah --report report.html
-  drivekit evaluate logs/*.csv --models inverse,profile-onset --format json > evaluation.json
-  drivekit evaluate drivers/ --hold-out driver           drivers/anna/*.csv, drivers/ben/*.csv, …
-  drivekit evaluate anna/ --prior others/ --learning-curve
-  drivekit evaluate logs/ --task trajectory --models blend,svr-rbf --horizons 1,2,5,10
-  drivekit evaluate logs/ --require 'profile.in_band_pct>=60' --require 'braking.profile.rmse_mps<=0.5'
-                                                         exit code 1 if missed")]
-pub(crate) struct EvaluateArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    logs: LogArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    phases: PhaseArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    prior: PriorArgs,
-    /// What is predicted
-    #[arg(long, value_enum, default_value_t = Task::Phases, value_name = "TASK")]
-    task: Task,
-    /// Models to evaluate, comma separated [default: all of the task]; the baselines are always added
-    #[arg(long, value_delimiter = ',', value_parser = names::evaluated_model(), hide_possible_values = true, value_name = "MODEL")]
-    models: Vec<ModelKind>,
-    #[command(flatten)]
-    #[serde(flatten)]
-    trajectory: TrajectoryArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    hold_out: HoldOutArgs,
-    /// Also the error over the number of own trips that a model has seen
-    #[arg(long)]
-    learning_curve: bool,
-    /// Full width of the band around the measured speed, in km/h [default: 3 for phases, 5 for trips]
-    #[arg(long, value_parser = numbers::width_kmh, value_name = "KM/H")]
-    band: Option<f64>,
-    #[command(flatten)]
-    #[serde(flatten)]
-    vehicle: VehicleArg,
-    /// Write one self-contained page with tables and pictures
-    #[arg(long, value_name = "FILE.html")]
-    #[serde(skip)]
-    report: Option<PathBuf>,
-    #[command(flatten)]
-    #[serde(skip)]
-    require: RequireArgs,
-}
-
-/// What is predicted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Task {
-    /// Acceleration and braking phases, cruising and following
-    Phases,
-    /// The speed of the next seconds and of whole trips, from limits and own past
-    Trajectory,
-}
+use crate::require::KnownFigures;
+pub(crate) use args::EvaluateArgs;
+use args::Task;
 
 pub(crate) fn run(args: &EvaluateArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require.check(&args.figures()?)?;

@@ -1,98 +1,26 @@
+mod args;
 mod text;
 
-use std::path::PathBuf;
-
 use anyhow::bail;
-use clap::{Args, ValueEnum};
 use driver_eval::behaviour::contents_of;
 use driver_model::speed_ahead::DirectSettings;
 use driver_model::{
-    DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, ModelKind, PointsOf,
-    Prior, Subject, TrainingInput, TrainingRecord, find_behaviour, fit_with,
+    DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, PointsOf, Prior,
+    Subject, TrainingInput, TrainingRecord, find_behaviour, fit_with,
 };
 use serde::Serialize;
 
 use super::left_out;
 use super::motions::{mention_finer_grids, motions};
-use super::phases::PhaseArgs;
-use super::prior::PriorArgs;
 use crate::exit::Outcome;
-use crate::flags::{Context, Format, LogArgs};
+use crate::flags::{Context, Format};
 use crate::inputs::{self, Input};
-use crate::names;
-use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{KnownFigures, RequireArgs};
-
-/// Fit one model and write it to a file
-///
-/// The model learns from the acceleration phases of the logs, or from their braking phases. With logs of other drivers
-/// it learns from those, too, each of their phases with the prior weight. Models of cruising and following learn from
-/// stretches of their own kind.
-#[derive(Debug, Args, Serialize)]
-#[command(after_help = "\
-Examples:
-  drivekit fit logs/ --model profile-onset -o driver.json
-  drivekit fit logs/*.csv --model inverse -o inverse.json && drivekit predict new.csv --model inverse.json
-  drivekit fit anna/ --prior others/ --prior-weight 0.33 --model profile-conditioned -o anna.json
-  drivekit fit logs/ --model rise-time --phase braking -o braking.json
-  drivekit fit logs/ --model idm -o following.json
-  drivekit fit logs/ --model svr-rbf --horizons 1,2,5,10 -o ahead.json && drivekit predict new.csv --model ahead.json --horizon 5
-  drivekit fit logs/ --model trip-driver -o trips.json
-  drivekit fit logs/ --model exponential --to samples -o all.json        the second row of Table 3.6")]
-pub(crate) struct FitArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    logs: LogArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    phases: PhaseArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    prior: PriorArgs,
-    /// Model of phases: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
-    /// profile-onset, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap; of the next seconds: svr-linear,
-    /// svr-quadratic, svr-cubic, svr-rbf, least-squares, blend, ridge, boosted-trees; of whole trips: trip-driver
-    #[arg(long, value_parser = names::fitted_model(), hide_possible_values = true, value_name = "KIND")]
-    model: ModelKind,
-    /// Phases to learn from
-    #[arg(long, value_enum, default_value_t = Phase::Acceleration, value_name = "KIND")]
-    phase: Phase,
-    /// What a function of speed (inverse, exponential, exponential-amplitude) is fitted to
-    #[arg(long, value_enum, default_value_t = Points::Means, value_name = "POINTS")]
-    to: Points,
-    /// Seconds ahead of a model of the next seconds, comma separated
-    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_parser = numbers::horizon_s, value_name = "S")]
-    horizons: Vec<f64>,
-    /// Let a model of the next seconds know the slope ahead, if it does not come from the elevation of the same drive
-    #[arg(long)]
-    slope_ahead: bool,
-    /// File for the model
-    #[arg(short, long, value_name = "FILE.json")]
-    #[serde(skip)]
-    output: PathBuf,
-    #[command(flatten)]
-    #[serde(skip)]
-    require: RequireArgs,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Phase {
-    Acceleration,
-    Braking,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Points {
-    /// Means of segments
-    Means,
-    /// All samples of segments
-    Samples,
-}
+use crate::require::KnownFigures;
+pub(crate) use args::FitArgs;
+use args::{Phase, Points};
 
 pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.check()?;

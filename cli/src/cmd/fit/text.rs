@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use driver_model::{Behaviour, ModelFile};
 
-use super::FitArgs;
+use super::args::FitArgs;
 use crate::cmd::model::words;
 use crate::words::plural;
 

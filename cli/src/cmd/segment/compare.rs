@@ -9,7 +9,7 @@ use driver_eval::segmentation::Comparison;
 use driver_model::{MethodFigures, Segmenter};
 use serde::Serialize;
 
-use super::SegmentArgs;
+use super::args::SegmentArgs;
 use super::flags::DEFAULT_THRESHOLD;
 use super::names::{ScaleArg, SegmentsArg};
 use crate::exit::Outcome;

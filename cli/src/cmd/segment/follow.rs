@@ -8,7 +8,7 @@ use anyhow::bail;
 use drive_log::{Row, RowReader, Smoothing};
 use driver_model::{PhaseStream, Reading, Scaling, StreamedPhase};
 
-use super::SegmentArgs;
+use super::args::SegmentArgs;
 use super::output::SegmentEntry;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};

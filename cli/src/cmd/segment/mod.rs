@@ -1,5 +1,6 @@
 //! `drivekit segment`: plain, compared (`--compare`) and live (`--follow`).
 
+mod args;
 mod compare;
 mod flags;
 mod follow;
@@ -8,78 +9,24 @@ mod output;
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
 use anyhow::Context as _;
-use clap::Args;
 use drive_log::DriveLog;
 use driver_model::{Error, LeftOut, Segmented, Segmenter, StatisticalRules};
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::cmd::left_out;
 use crate::exit::Outcome;
-use crate::flags::{Context, Format, LogArgs};
-use crate::inputs::{self, Input};
-use crate::numbers;
+use crate::flags::{Context, Format};
+use crate::inputs;
 use crate::output::{note, print_json, print_text, write_file};
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::require::{KnownFigures, RequireArgs};
-use flags::MethodArgs;
+use crate::require::KnownFigures;
+use args::Pieces;
 
+pub(crate) use args::SegmentArgs;
 pub(crate) use flags::refuse_idle;
-
-/// Boundaries, phases and homogeneity figures
-///
-/// Cuts each drive into segments of like behaviour and says what the driver does in each. A drive with gaps counts as
-/// one log per piece.
-#[derive(Debug, Clone, Args, Serialize)]
-#[command(after_help = "\
-Examples:
-  drivekit segment drive.csv
-  drivekit segment drive.csv --method heuristic --plot phases.svg
-  drivekit segment drive.csv --merge mean --similarity 0.4,0.55
-  drivekit segment logs/ --threshold 0.1 --window 150 --format json
-  drivekit segment drive.csv --method dynamic --segments auto
-  drivekit segment logs/ --compare --report compare.html
-  logger | drivekit segment - --follow --format json")]
-pub(crate) struct SegmentArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    logs: LogArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    method: MethodArgs,
-    /// Only the first samples of each log [default: all; 3000 with --compare]
-    #[arg(long, value_name = "SAMPLES", value_parser = numbers::samples)]
-    first: Option<usize>,
-    /// Draw speed with coloured phases
-    #[arg(long, value_name = "FILE.svg")]
-    #[serde(skip)]
-    plot: Option<PathBuf>,
-    /// Compare the methods as Table 3.5 of the thesis does: lengths, purity and time, without merging
-    #[arg(long, conflicts_with_all = ["method", "cost", "stop", "refill", "merge", "similarity", "plot", "follow"], help_heading = "Comparison")]
-    #[serde(skip)]
-    compare: bool,
-    /// Write one self-contained page with the comparison, and figures 3.3 to 3.10 for the first log
-    #[arg(
-        long,
-        value_name = "FILE.html",
-        requires = "compare",
-        help_heading = "Comparison"
-    )]
-    #[serde(skip)]
-    report: Option<PathBuf>,
-    /// Segment canonical CSV from stdin while it is written, and print each segment when it has ended. Samples must be
-    /// --step apart; a gap over --max-gap starts a new piece
-    #[arg(long, conflicts_with_all = ["plot", "first", "require"], help_heading = "Streams")]
-    #[serde(skip)]
-    follow: bool,
-    #[command(flatten)]
-    #[serde(skip)]
-    require: RequireArgs,
-}
 
 pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outcome> {
     if args.follow {
@@ -134,9 +81,6 @@ pub(crate) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
     Ok(inputs::outcome(&inputs).and(outcome))
 }
 
-/// Pieces of drives, as a segmentation sees them.
-type Pieces<'a> = Vec<Cow<'a, DriveLog>>;
-
 /// The pieces that have room for what was asked, and the others with the reason.
 fn long_enough<'a>(
     pieces: Pieces<'a>,
@@ -154,16 +98,4 @@ fn long_enough<'a>(
         return Err(Error::NothingUsable { task, left_out }.into());
     }
     Ok((logs, left_out))
-}
-
-impl SegmentArgs {
-    /// The pieces of all drives, each cut after `--first` samples.
-    fn pieces<'a>(&self, inputs: &'a [Input]) -> Pieces<'a> {
-        let cut = |log: &'a DriveLog| match self.first {
-            Some(samples) => Cow::Owned(log.first(samples)),
-            None => Cow::Borrowed(log),
-        };
-        let pieces = inputs.iter().flat_map(|input| &input.drive.pieces);
-        pieces.map(cut).collect()
-    }
 }

@@ -3,41 +3,21 @@
 mod text;
 
 use anyhow::bail;
-use clap::Args;
 use driver_eval::speed_ahead::TrajectorySettings;
 use driver_eval::trajectory::{Trajectories, TrajectoryDocument, TrajectoryTask, with_curves};
 use driver_model::speed_ahead::{DirectSettings, Trial};
 use driver_model::{ModelKind, Subject};
 use ev_energy::Vehicle;
-use serde::Serialize;
 
-use super::EvaluateArgs;
+use super::args::EvaluateArgs;
 use crate::cmd::left_out;
 use crate::cmd::motions::{mention_finer_grids, motions};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::Inputs;
-use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-
-#[derive(Debug, Clone, Args, Serialize)]
-#[command(next_help_heading = "Trajectory")]
-pub(super) struct TrajectoryArgs {
-    /// Seconds ahead, comma separated
-    #[arg(long, value_delimiter = ',', default_values_t = DirectSettings::default().horizons_s, value_parser = numbers::horizon_s, value_name = "S")]
-    horizons: Vec<f64>,
-    /// Number of folds: every so many units are held out together
-    #[arg(long, default_value_t = TrajectorySettings::default().folds, value_parser = numbers::folds, value_name = "N")]
-    folds: usize,
-    /// Let models know the slope ahead. Not with elevation recorded on the same drive: its errors tell where the car stood
-    #[arg(long)]
-    slope_ahead: bool,
-    /// Most training samples of a model
-    #[arg(long, default_value_t = DirectSettings::default().max_samples, value_parser = numbers::samples, value_name = "N")]
-    max_samples: usize,
-}
 
 impl EvaluateArgs {
     /// Evaluates and prints.
