@@ -2,7 +2,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use driver_model::energy::{CalibrationReport, CalibrationScore, calibrate_vehicle};
+use driver_eval::calibration::{CalibrationReport, calibrate_vehicle};
+use driver_model::energy::EnergyScore;
 use ev_energy::{ParameterEstimate, VehicleSpec};
 use serde::Serialize;
 
@@ -233,7 +234,7 @@ fn digits(range: f64) -> usize {
     (3.0 - range.log10()).clamp(0.0, 6.0) as usize
 }
 
-fn score_row(name: &str, score: &CalibrationScore) -> [String; 4] {
+fn score_row(name: &str, score: &EnergyScore) -> [String; 4] {
     [
         name.to_owned(),
         number(score.mean_abs_error_pct, 2),

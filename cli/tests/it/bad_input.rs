@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::program::{drivekit, fixture};
+use crate::program::{drivekit, drivekit_in, fixture};
 
 /// Writes the bytes to a file and inspects and evaluates it; both must refuse with all of the words.
 fn refused(name: &str, bytes: &[u8], words: &[&str]) {
@@ -209,4 +209,40 @@ fn usage_errors() {
     ])
     .refused(&["--weights", "above 0"]);
     drivekit(&["inspect", &fixture("drives/drive-01.csv"), "--step=-1"]).refused(&["step"]);
+}
+
+/// Libraries speak of values; the flags that set them are named below.
+#[test]
+fn errors_of_libraries_name_the_flags_that_help() {
+    let folder = TempDir::new().unwrap();
+    let rows = |speed: fn(u32) -> f64| {
+        (0..600).fold("time_s,speed_mps\n".to_owned(), |text, k| {
+            text + &format!("{},{}\n", f64::from(k) / 10.0, speed(k))
+        })
+    };
+    std::fs::write(folder.path().join("steady.csv"), rows(|_| 10.0)).unwrap();
+    std::fs::write(
+        folder.path().join("rocket.csv"),
+        rows(|k| f64::from(k % 200) * 2.0),
+    )
+    .unwrap();
+    for (arguments, help) in [
+        (
+            "fit steady.csv --model constant -o model.json",
+            "help: see --min-duration",
+        ),
+        ("inspect rocket.csv", "help: --raw takes"),
+        (
+            "segment - --follow --scale range",
+            "help: such as --scale 10,0.5",
+        ),
+    ] {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        let run = drivekit_in(folder.path(), &arguments);
+        assert!(
+            run.code == 2 && run.stderr.contains(help),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+    }
 }

@@ -2,7 +2,8 @@
 //!
 //! One engine holds out: [`HoldOut`] says which items belong to a unit (a drive, a file, a driver), runs the folds in parallel and in
 //! order. Upon it stand [`phase`] for acceleration and braking, [`speed_ahead`] for the next seconds, [`trip_driver`] for whole
-//! trips, [`following`] and [`cruise`]. Baselines are always among what is compared.
+//! trips, [`following`] and [`cruise`]. Baselines are always among what is compared. [`segmentation`] compares methods that cut drives,
+//! and [`calibration`] fits a vehicle to drives and judges it on each that it has not seen.
 //!
 //! # Example
 //!
@@ -32,6 +33,7 @@
 //! - W. G. Cochran: Sampling Techniques. Wiley, 1977 (the ratio of sums over units and its interval).
 
 pub mod behaviour;
+pub mod calibration;
 pub mod cruise;
 mod error;
 pub mod following;

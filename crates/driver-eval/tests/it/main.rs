@@ -8,6 +8,7 @@
     clippy::print_stderr
 )]
 
+mod calibration;
 mod conditioned;
 mod cruise;
 mod evaluation;

@@ -7,19 +7,23 @@ use crate::{Error, Motion};
 
 /// What a vehicle model takes from a piece of a drive.
 #[derive(Debug, Clone)]
-pub(crate) struct EnergyInput<'a> {
+pub struct EnergyInput<'a> {
     motion: &'a Motion,
     extra_aux_power_w: Option<Vec<f64>>,
     /// The channels of which the auxiliary power is made.
-    pub(crate) aux_channels: Vec<Channel>,
-    pub(crate) weather: Option<Weather>,
-    pub(crate) soc_start_pct: Option<f64>,
+    pub aux_channels: Vec<Channel>,
+    /// Of the air, where the log has it.
+    pub weather: Option<Weather>,
+    /// State of charge at the start, %, where the log has it.
+    pub soc_start_pct: Option<f64>,
     /// Measured at the terminals, per step, W; NaN where there is none.
-    pub(crate) power_w: Vec<f64>,
+    pub power_w: Vec<f64>,
 }
 
 impl<'a> EnergyInput<'a> {
-    pub(crate) fn of(motion: &'a Motion) -> Self {
+    /// From the channels of its log.
+    #[must_use]
+    pub fn of(motion: &'a Motion) -> Self {
         let log = motion.log();
         let aux_channels: Vec<Channel> = [Channel::AuxPower, Channel::HeatingPower]
             .into_iter()
@@ -36,7 +40,8 @@ impl<'a> EnergyInput<'a> {
     }
 
     /// The motion, for a vehicle model.
-    pub(crate) fn trip(&self) -> Trip<'_> {
+    #[must_use]
+    pub fn trip(&self) -> Trip<'_> {
         Trip {
             step_s: self.motion.step_s(),
             speed_mps: self.motion.speed_mps(),

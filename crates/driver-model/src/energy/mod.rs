@@ -1,18 +1,15 @@
-//! Energy of drives: what the vehicle model says, what was measured, and calibrating the one to the other.
+//! Energy of drives: what the vehicle model says, and what was measured.
 
-mod calibration;
 mod input;
+mod score;
 
 use drive_log::Channel;
 use ev_energy::{Comparison, OperatingPoint, PowerAverager, PowerMean, TripEnergy, Vehicle};
 use serde::Serialize;
 
 use crate::{Error, Motion, SlopeSource};
-pub use calibration::{
-    CalibrationReport, CalibrationScore, CalibrationTripScore, ResidualBin, Residuals,
-    calibrate_vehicle,
-};
-use input::EnergyInput;
+pub use input::EnergyInput;
+pub use score::EnergyScore;
 
 /// Energy of a drive, model against measurement.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -117,7 +114,7 @@ impl EnergyTotals {
             .map(|drive| drive.comparison)
             .filter(|comparison| !comparison.is_empty())
             .collect();
-        let score = CalibrationScore::of(&comparisons);
+        let score = EnergyScore::of(&comparisons);
         Self {
             trips: drives.len(),
             consumption_kwh_per_100km: modelled.consumption_kwh_per_100km(),

@@ -191,7 +191,8 @@ pub fn drives(motions: &[Motion]) -> impl Iterator<Item = &[Motion]> + Clone {
 }
 
 /// Name of the drive that the pieces are of.
-pub(crate) fn name(drive: &[Motion]) -> &str {
+#[must_use]
+pub fn name(drive: &[Motion]) -> &str {
     drive.first().map_or("", Motion::drive)
 }
 

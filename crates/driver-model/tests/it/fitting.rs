@@ -112,7 +112,7 @@ fn too_little_to_learn_from_is_said() {
     ));
     let message = Constant::fit(&nothing).unwrap_err().to_string();
     assert!(
-        message.contains("constant") && message.contains("--min-duration"),
+        message.contains("constant") && message.contains("shorter"),
         "{message}"
     );
 }

@@ -1,3 +1,7 @@
+//! A vehicle fitted to drives, and judged on each with that one left out.
+
+use driver_model::energy::{EnergyInput, EnergyScore};
+use driver_model::{Error as ModelError, LeftOut, Motion, motion};
 use ev_energy::{
     Calibration, CalibrationRecord, CalibrationTrip, Comparison, Fold, JOULES_PER_KWH,
     ParameterEstimate, Vehicle, calibrate, leave_one_out,
@@ -5,8 +9,7 @@ use ev_energy::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::input::EnergyInput;
-use crate::{Error, LeftOut, Motion, motion};
+use crate::{Error, HoldOut, Split};
 
 /// A drive must have measured power for this long: every drive weighs the same.
 const SHORTEST_S: f64 = 60.0;
@@ -94,52 +97,11 @@ pub struct CalibrationTripScore {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CalibrationSummary {
     /// The vehicle before.
-    pub start: CalibrationScore,
+    pub start: EnergyScore,
     /// Fitted to all.
-    pub fitted: CalibrationScore,
+    pub fitted: EnergyScore,
     /// Each trip with the vehicle fitted to the others.
-    pub held_out: CalibrationScore,
-}
-
-/// How well a vehicle meets trips.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct CalibrationScore {
-    /// Mean over the trips of the magnitude of the error of their energy, %.
-    pub mean_abs_error_pct: Option<f64>,
-    /// Error of the energy of all trips together, %.
-    pub total_error_pct: Option<f64>,
-    /// Median over the trips of the root mean square of the power's error, W.
-    pub median_power_rmse_w: Option<f64>,
-}
-
-impl CalibrationScore {
-    /// Of one comparison per trip.
-    #[must_use]
-    pub fn of(comparisons: &[Comparison]) -> Self {
-        let errors: Vec<f64> = comparisons
-            .iter()
-            .filter_map(Comparison::error_pct)
-            .collect();
-        let mut rmse_w: Vec<f64> = comparisons
-            .iter()
-            .filter_map(Comparison::power_rmse_w)
-            .collect();
-        rmse_w.sort_by(f64::total_cmp);
-        let sum = |energy: fn(&Comparison) -> f64| comparisons.iter().map(energy).sum::<f64>();
-        let (modelled_j, measured_j) = (sum(|c| c.modelled_j), sum(|c| c.measured_j));
-        let middle = rmse_w.len() / 2;
-        Self {
-            mean_abs_error_pct: (!errors.is_empty())
-                .then(|| errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64),
-            total_error_pct: (measured_j != 0.0)
-                .then(|| 100.0 * (modelled_j - measured_j) / measured_j.abs()),
-            median_power_rmse_w: match rmse_w.len() {
-                0 => None,
-                n if n % 2 == 1 => Some(rmse_w[middle]),
-                _ => Some(0.5 * (rmse_w[middle - 1] + rmse_w[middle])),
-            },
-        }
-    }
+    pub held_out: EnergyScore,
 }
 
 /// Model minus measured power against what it may depend on.
@@ -170,12 +132,11 @@ pub struct ResidualBin {
 
 /// Fits a vehicle to the measured power of drives and leaves out one trip after the other, until the trips tell every parameter that
 /// is fitted; the others keep their values. Drives with less than a minute of measured power, or with measured energy that is negative
-/// on the whole, are left out. `finished` is called after every fold, as often as there are drives or a multiple of it, and once before. ///
+/// on the whole, are left out. `finished` is called after every fold, as often as there are drives or a multiple of it, and once before.
 /// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::InLog`] for samples outside the vehicle model's range, [`Error::Energy`] for a fit that fails,
-/// [`Error::NothingUsable`] without a drive that can be calibrated to.
+/// [`Error::Model`]: samples outside the vehicle model's range, a fit that fails, or no drive that can be calibrated to.
 pub fn calibrate_vehicle(
     motions: &[Motion],
     vehicle: &Vehicle,
@@ -188,11 +149,12 @@ pub fn calibrate_vehicle(
         .collect::<Result<_, Error>>()?;
     let (measured, left_out_drives) = usable(measured)?;
     let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
-    let (all, folds) = fit(vehicle, &trips, finished)?;
+    let names = measured.iter().map(|drive| drive.name.clone());
+    let (all, folds) = fit(vehicle, &trips, &HoldOut::one_by_one(names), finished)?;
     let compare = |vehicle: &Vehicle| -> Result<Vec<Comparison>, Error> {
         trips
             .iter()
-            .map(|trip| Ok(trip.compare(vehicle)?))
+            .map(|trip| Ok(trip.compare(vehicle).map_err(ModelError::from)?))
             .collect()
     };
     let before = compare(vehicle)?;
@@ -228,9 +190,9 @@ pub fn calibrate_vehicle(
         parameters,
         trips: scores,
         summary: CalibrationSummary {
-            start: CalibrationScore::of(&before),
-            fitted: CalibrationScore::of(&fitted),
-            held_out: CalibrationScore::of(&held_out),
+            start: EnergyScore::of(&before),
+            fitted: EnergyScore::of(&fitted),
+            held_out: EnergyScore::of(&held_out),
         },
         left_out_drives,
     })
@@ -247,7 +209,7 @@ fn usable(drives: Vec<MeasuredDrive>) -> Result<(Vec<MeasuredDrive>, Vec<LeftOut
     }
     if usable.is_empty() {
         let task = "calibration";
-        return Err(Error::NothingUsable { task, left_out });
+        return Err(ModelError::NothingUsable { task, left_out }.into());
     }
     Ok((usable, left_out))
 }
@@ -256,23 +218,24 @@ fn usable(drives: Vec<MeasuredDrive>) -> Result<(Vec<MeasuredDrive>, Vec<LeftOut
 fn fit(
     vehicle: &Vehicle,
     trips: &[&CalibrationTrip],
+    hold_out: &HoldOut,
     finished: &(dyn Fn() + Sync),
 ) -> Result<(Calibration, Vec<Fold>), Error> {
-    // Of one trip nothing can be left out.
-    let left_out = if trips.len() > 1 { trips.len() } else { 0 };
-    let mut all = calibrate(vehicle, trips)?;
+    let mut all = calibrate(vehicle, trips).map_err(ModelError::from)?;
     finished();
     loop {
-        let folds = (0..left_out)
-            .into_par_iter()
-            .map(|k| {
-                let fold = leave_one_out(vehicle, &all, trips, k);
-                finished();
-                fold
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let fold = |split: Split<'_>| {
+            let fold = leave_one_out(vehicle, &all, trips, split.fold());
+            Ok(fold.map_err(ModelError::from)?)
+        };
+        let folds = match trips.len() {
+            // Of one trip nothing can be left out.
+            1 => Vec::new(),
+            _ => hold_out.run(finished, fold)?,
+        };
         all = all.with_intervals(&folds);
-        match all.without_untold(vehicle, trips)? {
+        let fewer = all.without_untold(vehicle, trips);
+        match fewer.map_err(ModelError::from)? {
             None => return Ok((all, folds)),
             Some(fewer) => all = fewer,
         }
@@ -309,12 +272,12 @@ impl MeasuredDrive {
             let input = EnergyInput::of(motion);
             ambient_degc = ambient_degc.or(input.weather.map(|weather| weather.temperature_degc));
             trip.add(vehicle, &input.trip(), &input.power_w)
-                .map_err(|error| Error::from(error).in_log(motion.name()))?;
+                .map_err(|error| ModelError::from(error).in_log(motion.name()))?;
         }
         Ok(Self {
             name: motion::name(motions).to_owned(),
             ambient_degc,
-            measured_j: trip.compare(vehicle)?.measured_j,
+            measured_j: trip.compare(vehicle).map_err(ModelError::from)?.measured_j,
             trip,
         })
     }
@@ -333,7 +296,8 @@ fn residuals(trips: &[&CalibrationTrip], vehicle: &Vehicle) -> Result<Residuals,
             if let Some(weather) = weather {
                 temperature.add(weather.temperature_degc, residual_w);
             }
-        })?;
+        })
+        .map_err(ModelError::from)?;
     }
     Ok(Residuals {
         speed: speed.finish(),
