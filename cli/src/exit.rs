@@ -63,11 +63,13 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
+const SHORTER_PHASES: &str = "see --min-duration and --min-gain";
+
 /// The flags that belong to what a library reports.
 fn help(error: &anyhow::Error) -> Option<String> {
     use driver_model::Error::{ScaleOfStream, Steps, TooFewPhases};
     let of_model = |error: &driver_model::Error| match error {
-        TooFewPhases { .. } => Some("see --min-duration and --min-gain".to_owned()),
+        TooFewPhases { .. } => Some(SHORTER_PHASES.to_owned()),
         ScaleOfStream => Some("such as --scale 10,0.5, or --scale none".to_owned()),
         Steps { expected_s, .. } => Some(format!("--step {expected_s} does that")),
         _ => None,
@@ -78,6 +80,7 @@ fn help(error: &anyhow::Error) -> Option<String> {
         }
         match cause.downcast_ref() {
             Some(driver_eval::Error::Model(error)) => of_model(error),
+            Some(driver_eval::Error::Nothing { .. }) => Some(SHORTER_PHASES.to_owned()),
             _ => cause.downcast_ref().and_then(of_model),
         }
     })
