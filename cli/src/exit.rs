@@ -75,7 +75,7 @@ fn help(error: &anyhow::Error) -> Option<String> {
         _ => None,
     };
     error.chain().find_map(|cause| {
-        if let Some(drive_log::Error::Refused { .. }) = cause.downcast_ref() {
+        if cause.downcast_ref().is_some_and(is_refused) {
             return Some("--raw takes a uniform log as it is".to_owned());
         }
         match cause.downcast_ref() {
@@ -84,6 +84,13 @@ fn help(error: &anyhow::Error) -> Option<String> {
             _ => cause.downcast_ref().and_then(of_model),
         }
     })
+}
+
+fn is_refused(error: &drive_log::Error) -> bool {
+    match error {
+        drive_log::Error::InFile { cause, .. } => is_refused(cause),
+        error => matches!(error, drive_log::Error::Refused { .. }),
+    }
 }
 
 /// An error with its causes, each said once: some messages tell their cause themselves.

@@ -222,8 +222,8 @@ fn errors_of_libraries_name_the_flags_that_help() {
     };
     std::fs::write(folder.path().join("steady.csv"), rows(|_| 10.0)).unwrap();
     std::fs::write(
-        folder.path().join("rocket.csv"),
-        rows(|k| f64::from(k % 200) * 2.0),
+        folder.path().join("two.csv"),
+        rows(|k| f64::from(5 + 17 * (k % 2)) + (f64::from(k) / 25.0).sin()),
     )
     .unwrap();
     for (arguments, help) in [
@@ -231,7 +231,7 @@ fn errors_of_libraries_name_the_flags_that_help() {
             "fit steady.csv --model constant -o model.json",
             "help: see --min-duration",
         ),
-        ("inspect rocket.csv", "help: --raw takes"),
+        ("inspect two.csv", "help: --raw takes"),
         (
             "segment - --follow --scale range",
             "help: such as --scale 10,0.5",
