@@ -5,7 +5,7 @@ use super::route::{LegEnd, Route};
 use super::settings::SynthSettings;
 use super::traffic::Traffic;
 use super::true_phase::{Regime, TruePhase};
-use driver_model::INFLUENCE_GAP_S;
+use driver_model::segmentation::INFLUENCE_GAP_S;
 
 /// The motion of one drive as it really is, before any sensor.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use drive_log::DriveLog;
-use driver_model::{
+use driver_model::segmentation::{
     HeuristicRules, Method, Segmented, Segmenter, Segments, StatisticalRules, dead_banded,
     most_divided,
 };

@@ -1,10 +1,8 @@
 use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
 use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
-use crate::{
-    AccelPoint, Error, HeuristicRules, Motion, PhaseCurve, PhaseKind, StatisticalRules, error,
-    motion,
-};
+use crate::segmentation::{HeuristicRules, StatisticalRules};
+use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, error, motion};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]

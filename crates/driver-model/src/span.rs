@@ -4,7 +4,7 @@ use drive_log::DriveLog;
 use serde::{Deserialize, Serialize};
 use tseg::Segmentation;
 
-use crate::lead;
+use crate::segmentation::lead;
 
 /// What the driver does during a stretch of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -45,7 +45,7 @@ pub struct Span {
     pub end: usize,
     /// What the driver does.
     pub kind: PhaseKind,
-    /// A vehicle ahead is near enough to matter, see [`crate::lead_influenced`].
+    /// A vehicle ahead is near enough to matter, see [`crate::segmentation::lead_influenced`].
     pub lead_influenced: bool,
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::Context as _;
 use drive_log::DriveLog;
 use driver_eval::segmentation::Comparison;
-use driver_model::{MethodFigures, Segmenter};
+use driver_model::segmentation::{MethodFigures, Segmenter};
 use serde::Serialize;
 
 use super::args::SegmentArgs;

@@ -3,7 +3,9 @@
 use anyhow::bail;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum as _};
-use driver_model::{HeuristicRules, Method, Scaling, Segmenter, Segments, StatisticalRules};
+use driver_model::segmentation::{
+    HeuristicRules, Method, Scaling, Segmenter, Segments, StatisticalRules,
+};
 use serde::Serialize;
 use tseg::{Cost, Refill, Stop};
 

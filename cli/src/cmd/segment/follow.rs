@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use anyhow::bail;
 use drive_log::{Row, RowReader, Smoothing};
-use driver_model::{PhaseStream, Reading, Scaling, StreamedPhase};
+use driver_model::segmentation::{PhaseStream, Reading, Scaling, StreamedPhase};
 
 use super::args::SegmentArgs;
 use super::output::SegmentEntry;

@@ -12,7 +12,8 @@ use std::ops::ControlFlow;
 
 use anyhow::Context as _;
 use drive_log::DriveLog;
-use driver_model::{Error, LeftOut, Segmented, Segmenter, StatisticalRules};
+use driver_model::segmentation::{Segmented, Segmenter, StatisticalRules};
+use driver_model::{Error, LeftOut};
 use rayon::prelude::*;
 
 use crate::cmd::left_out;

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use anyhow::bail;
 use clap::ValueEnum;
-use driver_model::Scaling;
+use driver_model::segmentation::Scaling;
 use serde::Serialize;
 use tseg::Similarity;
 

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use drive_log::{Channel, DriveLog};
-use driver_model::{LeftOut, Optimality, PhaseKind, Segmented, Span, StreamedPhase};
+use driver_model::segmentation::{Optimality, Segmented, StreamedPhase};
+use driver_model::{LeftOut, PhaseKind, Span};
 use report::picture::{self, Behaviour, SpeedPlot, Stretch};
 use serde::Serialize;
 

@@ -2,7 +2,7 @@ use drive_log::Channel;
 
 use crate::Motion;
 use crate::grid::{above, at_least, below};
-use crate::lead;
+use crate::segmentation::lead;
 
 /// Which stretches count as cruising.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,9 @@ use std::ops::{Range, RangeInclusive};
 
 use drive_log::{Channel, DriveLog};
 
+use crate::Motion;
 use crate::grid::{above, at_least, below};
-use crate::{INFLUENCE_GAP_S, Motion};
+use crate::segmentation::INFLUENCE_GAP_S;
 
 /// Which stretches count.
 #[derive(Debug, Clone, Copy, PartialEq)]

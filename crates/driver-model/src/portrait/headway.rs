@@ -2,7 +2,7 @@ use drive_log::{Channel, DriveLog};
 use serde::Serialize;
 
 use super::Distribution;
-use crate::lead;
+use crate::segmentation::lead;
 
 /// Time headway, gap over own speed, while a leader influences.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use drive_log::{Channel, DriveLog, LayoutChoice, Preparation};
-use driver_model::{
-    HeuristicRules, Onset, PhaseKind, Scaling, StatisticalRules, dead_banded, lead_influenced,
+use driver_model::segmentation::{
+    HeuristicRules, Scaling, StatisticalRules, dead_banded, lead_influenced,
 };
+use driver_model::{Onset, PhaseKind};
 
 use crate::support::curve_from;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use drive_log::{Channel, DriveLog};
-use driver_model::{HeuristicRules, Method, Scaling, Segmented, StatisticalRules};
+use driver_model::segmentation::{HeuristicRules, Method, Scaling, Segmented, StatisticalRules};
 use serde_json::Value;
 use tseg::{Refill, Scale, Similarity};
 

@@ -5,7 +5,8 @@ use drive_log::DriveLog;
 use serde::Serialize;
 use tseg::{Metrics, Progress};
 
-use crate::{Error, HeuristicRules, Method, Segmented, Segments, StatisticalRules};
+use crate::Error;
+use crate::segmentation::{HeuristicRules, Method, Segmented, Segments, StatisticalRules};
 
 /// Either way to cut a drive into phases.
 #[derive(Debug, Clone, Copy, PartialEq)]

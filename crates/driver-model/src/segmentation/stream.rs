@@ -3,9 +3,10 @@ use std::collections::VecDeque;
 use drive_log::{Smoothing, SmoothingStream};
 use tseg::{Merging, Swab, SwabStream};
 
-use crate::statistical::{banded, check_deadband};
+use super::lead;
+use super::statistical::{Method, StatisticalRules, banded, check_deadband};
 use crate::tally::Tally;
-use crate::{Error, Method, PhaseKind, StatisticalRules, error, lead};
+use crate::{Error, PhaseKind, error};
 
 /// A sample as it comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +36,7 @@ pub struct StreamedPhase {
     pub mean_speed_mps: f64,
     /// Mean acceleration without a dead band, m/s².
     pub mean_accel_mps2: f64,
-    /// A vehicle ahead is near enough to matter, see [`crate::lead_influenced`].
+    /// A vehicle ahead is near enough to matter, see [`crate::segmentation::lead_influenced`].
     pub lead_influenced: bool,
 }
 

@@ -2,7 +2,8 @@ use drive_log::DriveLog;
 use tseg::{Metrics, Segmentation};
 
 use crate::grid::{above, at_least};
-use crate::{Error, PhaseKind, Segmented, Span, dead_banded};
+use crate::segmentation::{Segmented, dead_banded};
+use crate::{Error, PhaseKind, Span};
 
 /// Thresholds of Table 3.1, by which every sample is labelled alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
