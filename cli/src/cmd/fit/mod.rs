@@ -81,7 +81,8 @@ impl FitArgs {
         fit_with(self.model, &motions, prior, &settings, &finished).map_err(|error| match error {
             Error::TooFewPhases { .. } | Error::TooFewStretches { .. } => {
                 let trips = find_behaviour(&motions, &settings.phases, &|| {}).unwrap_or_default();
-                anyhow::anyhow!("{error}{}", contents_of(&trips))
+                let told = format!("{error}{}", contents_of(&trips));
+                anyhow::Error::new(error).context(told)
             }
             error => error.into(),
         })
