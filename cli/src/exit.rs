@@ -73,7 +73,7 @@ fn help(error: &anyhow::Error) -> Option<String> {
         _ => None,
     };
     error.chain().find_map(|cause| {
-        if let Some(drive_log::Error::Refused { .. }) = cause.downcast_ref() {
+        if cause.downcast_ref().is_some_and(is_refused) {
             return Some("--raw takes a uniform log as it is".to_owned());
         }
         match cause.downcast_ref() {
@@ -81,6 +81,16 @@ fn help(error: &anyhow::Error) -> Option<String> {
             _ => cause.downcast_ref().and_then(of_model),
         }
     })
+}
+
+/// Whether a log, or one of several, is refused.
+fn is_refused(error: &drive_log::Error) -> bool {
+    match error {
+        drive_log::Error::Refused { .. } => true,
+        drive_log::Error::InFile { cause, .. } => is_refused(cause),
+        drive_log::Error::Unusable { broken, .. } => broken.iter().any(is_refused),
+        _ => false,
+    }
 }
 
 /// An error with its causes, each said once: some messages tell their cause themselves.
