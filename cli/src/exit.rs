@@ -86,10 +86,13 @@ fn help(error: &anyhow::Error) -> Option<String> {
     })
 }
 
+/// Whether a log, or one of several, is refused.
 fn is_refused(error: &drive_log::Error) -> bool {
     match error {
+        drive_log::Error::Refused { .. } => true,
         drive_log::Error::InFile { cause, .. } => is_refused(cause),
-        error => matches!(error, drive_log::Error::Refused { .. }),
+        drive_log::Error::Unusable { broken, .. } => broken.iter().any(is_refused),
+        _ => false,
     }
 }
 

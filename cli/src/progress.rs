@@ -34,6 +34,14 @@ impl Progress {
         }
     }
 
+    /// Shows the bar at once, where the first step takes long.
+    pub(crate) fn show(&self) {
+        if self.shown {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.bar.tick();
+        }
+    }
+
     /// For the number of steps that was not known at first.
     pub(crate) fn set_steps(&self, steps: usize) {
         self.bar.set_length(steps as u64 * PARTS);

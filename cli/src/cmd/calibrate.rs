@@ -62,6 +62,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     let inputs = inputs::load_once(&args.logs, context)?;
     let motions = motions(&inputs, args.slope_bandwidth)?;
     let progress = Progress::new(context, "fitting", inputs.len() + 1);
+    progress.show();
     let report = calibrate_vehicle(&motions, &start, &|| progress.step())?;
     drop(progress);
     left_out::mention(&report.left_out_drives, context);

@@ -91,7 +91,7 @@ fn folders_are_searched_to_the_bottom_and_sorted_by_name() {
 fn files_that_are_no_logs_are_named_and_left_out_of_a_folder() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), "a.csv", log(1));
-    let foreign: [(&str, &[u8]); 7] = [
+    let foreign: [(&str, &[u8]); 12] = [
         ("README.md", b"# Drives\n"),
         ("empty.csv", b""),
         (
@@ -105,6 +105,20 @@ fn files_that_are_no_logs_are_named_and_left_out_of_a_folder() {
             b"{\n  \"schema\": \"drivekit/inspect/1\"\n}\n",
         ),
         ("trips.csv", b"trip,km,driver\n1,12.5,anna\n2,7.25,ben\n"),
+        ("heart.csv", b"time_s,heart_rate\n0,60\n1,61\n"),
+        ("limits.csv", b"lat,lon,speed_limit_kmh\n1,2,50\n1,3,60\n"),
+        (
+            "summary.csv",
+            b"trip,mean speed km/h,max speed km/h\n1,33.2,80\n2,22.1,70\n",
+        ),
+        (
+            "out.txt",
+            b"2 drives, 27 phases of at least 10 km/h, one left out\n1 2 3\n4 5 6\n",
+        ),
+        (
+            "trace.csv",
+            b"time_s,speed_mps,wheel_force_n,rolling_n,grade_n,terminal_power_w\n0,1,2,3,4,5\n1,1,2,3,4,5\n",
+        ),
     ];
     for (name, content) in foreign {
         write(folder.path(), name, content);
@@ -114,11 +128,13 @@ fn files_that_are_no_logs_are_named_and_left_out_of_a_folder() {
     assert_eq!(paths(&document["inputs"]), ["a.csv"]);
     let mut left_out = paths(&document["files"]["left_out"]);
     left_out.sort_unstable();
-    assert_eq!(left_out, foreign.map(|(name, _)| name));
+    let mut named = foreign.map(|(name, _)| name);
+    named.sort_unstable();
+    assert_eq!(left_out, named);
     let line = run
         .stderr
         .lines()
-        .find(|l| l.contains("7 files that are no logs"));
+        .find(|l| l.contains("12 files that are no logs"));
     assert!(
         line.is_some_and(|l| l.contains("README.md")),
         "{}",

@@ -231,6 +231,7 @@ fn a_driver_is_a_folder_at_a_stated_level() {
     assert_eq!(held_out(&run.json()).len(), 4);
     by(&[".", "--driver-column", "driver"]).refused(&["anna", "no column `driver`"]);
     by(&["anna/1"]).refused(&["--hold-out driver", "--driver-level"]);
+    by(&[".", "--driver-level", "40"]).refused(&["no folder 40 above"]);
 }
 
 #[test]

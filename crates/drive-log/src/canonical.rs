@@ -35,6 +35,9 @@ const DISTANCES: [&str; 8] = [
     "mileage",
 ];
 
+/// Headers of what `drivekit energy --trace` writes beside the speed.
+const TRACE: [&str; 3] = ["wheel_force_n", "rolling_n", "terminal_power_w"];
+
 /// What a canonical header says.
 #[derive(Clone, Copy)]
 enum Meaning {
@@ -126,7 +129,13 @@ fn spelled(header: &str) -> Meaning {
         .filter(|word| !word.is_empty())
         .collect();
     match words.last() {
-        Some(unit) if unit.parse::<f64>().is_err() => meaning(&words.join("_")),
+        Some(unit) if unit.parse::<f64>().is_err() => {
+            let first = match words[0].to_ascii_lowercase().as_str() {
+                "altitude" => Channel::Elevation.key(),
+                _ => words[0],
+            };
+            meaning(&[&[first], &words[1..]].concat().join("_"))
+        }
         _ => Meaning::Other,
     }
 }
@@ -160,6 +169,12 @@ pub(crate) fn claims(headers: &[String]) -> bool {
 }
 
 pub(crate) fn plan(path: &Path, headers: &[String]) -> Result<Plan, Error> {
+    if TRACE.iter().all(|name| position(headers, name).is_some()) {
+        return Err(Error::NotALog {
+            path: path.to_owned(),
+            found: "a trace of `drivekit energy`",
+        });
+    }
     let meanings = meanings(headers);
     let columns = channels(path, headers, &meanings)?;
     if !columns.iter().any(|c| c.channel == Channel::Speed) {

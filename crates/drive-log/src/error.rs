@@ -5,6 +5,9 @@ mod table;
 
 use std::path::PathBuf;
 
+use crate::Channel;
+use crate::head::names_a_speed;
+
 pub use no_log::NoLog;
 pub use table::TableError;
 
@@ -176,7 +179,8 @@ pub enum Error {
     },
     /// A header that names a speed and not its unit.
     #[error(
-        "{}: the header {header:?} does not say in which unit the speed is; name it speed_kmh, speed_mps or speed_mph, \
+        "{}: the header {header:?} does not say in which unit the speed is; name it speed_kmh, speed_mps or speed_mph \
+         (a row of units under the header is not read), \
          or give the unit in a layout: time = {{ header = \"…\", unit = \"s\" }} and, under [channels], \
          speed = {{ header = {header:?}, unit = \"km/h\" }}",
         path.display()
@@ -427,6 +431,10 @@ impl Error {
                     may_be_a_log: false,
                     ..
                 }
+        ) || matches!(
+            self,
+            Error::MissingColumn { channel, found, .. }
+                if *channel == Channel::Speed.name() && !names_a_speed(found)
         )
     }
 }

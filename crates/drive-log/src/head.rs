@@ -152,7 +152,12 @@ pub(crate) fn names_a_speed(header: &str) -> bool {
     const WORDS: [&str; 10] = [
         "speed", "veloc", "km/h", "kmh", "kph", "mph", "m/s", "mps", "geschw", "vitesse",
     ];
+    // a limit alone, or what is said of a whole drive
+    const OTHERS: [&str; 6] = ["limit", "mean", "average", "avg", "max", "median"];
     let header = header.to_lowercase();
+    if OTHERS.iter().any(|word| header.contains(word)) {
+        return false;
+    }
     header == "v" || WORDS.iter().any(|word| header.contains(word))
 }
 

@@ -8,7 +8,7 @@ use crate::number::is_missing;
 use crate::{Action, FindingKind};
 
 /// Headers that name a trip, a vehicle or a driver, without marks between their words.
-const NAMES: [&str; 21] = [
+const NAMES: [&str; 29] = [
     "trip",
     "tripid",
     "tripno",
@@ -30,6 +30,14 @@ const NAMES: [&str; 21] = [
     "licenceplate",
     "driver",
     "driverid",
+    "drivername",
+    "journey",
+    "journeyid",
+    "session",
+    "sessionid",
+    "ride",
+    "rideid",
+    "tripname",
 ];
 
 /// From this many rows on, a column with another value in most of them names nothing.

@@ -172,10 +172,13 @@ fn unknown(path: &Path, head: &Head) -> Error {
         format!("none, {} columns of numbers", head.headers.len())
     };
     let names = |header: &String| names_a_speed(header);
+    // words of a sentence, divided at its blanks
+    let is_prose = |header: &String| header.ends_with([',', ':', ';']);
     Error::UnknownLayout {
         path: path.to_owned(),
         found,
-        may_be_a_log: !head.has_header || head.headers.iter().any(names),
+        may_be_a_log: !head.has_header
+            || head.headers.iter().any(names) && !head.headers.iter().any(is_prose),
     }
 }
 

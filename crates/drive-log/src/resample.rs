@@ -25,6 +25,7 @@ pub(crate) fn drives(
         log,
         mut findings,
         cuts,
+        ..
     } = checked;
     let valid: Vec<usize> = (0..log.len())
         .filter(|&i| log.speed_mps()[i].is_finite())

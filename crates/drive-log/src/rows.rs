@@ -1,5 +1,6 @@
 //! Rows of a log that is still being written.
 
+mod held;
 mod regular;
 mod row;
 
@@ -13,6 +14,7 @@ use crate::plan::{ChannelColumn, Plan, TimeColumns};
 use crate::quality::plausible;
 use crate::row_width::checked_fields;
 use crate::{Channel, Error, canonical};
+use held::Held;
 use regular::{Arrival, Regular, Sample};
 pub use row::Row;
 
@@ -46,6 +48,7 @@ pub struct RowReader<R> {
     /// Rows since the last usable one.
     left_out: usize,
     told_of_steps: bool,
+    held: Held,
 }
 
 impl<R: BufRead> RowReader<R> {
@@ -88,6 +91,7 @@ impl<R: BufRead> RowReader<R> {
             regular: Regular::new(step_s, max_gap_s),
             left_out: 0,
             told_of_steps: false,
+            held: Held::default(),
         })
     }
 
@@ -172,6 +176,12 @@ impl<R: BufRead> RowReader<R> {
 
     fn take(&mut self, sample: Sample, remark: &mut dyn FnMut(String)) {
         let place = format!("{}, line {}", self.lines.path.display(), self.lines.line);
+        if self.held.is_told_by(sample.speed_mps) {
+            remark(format!(
+                "{place}: the speed stands still for rows and then jumps, as if rows repeated it; accelerations are none or huge: \
+                 send a row per update, or segment the whole log"
+            ));
+        }
         let newest_s = self.regular.newest_s();
         let (from_s, to_s) = (newest_s.unwrap_or(sample.time_s), sample.time_s);
         let arrival = self.regular.arrive(sample);

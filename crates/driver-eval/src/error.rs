@@ -38,6 +38,16 @@ pub enum Error {
         /// What was taken for a driver, in words.
         taken_from: String,
     },
+    /// A drive is in fewer folders than asked for.
+    #[error(
+        "{drive}: there is no folder {level} above it that could name a driver; choose a lower level"
+    )]
+    NoFolder {
+        /// The drive.
+        drive: String,
+        /// Folders up from the file.
+        level: usize,
+    },
     /// A drive does not say who drove it.
     #[error(
         "{drive}: no column `{column}` that names a driver; there are: {}",

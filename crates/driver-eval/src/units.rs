@@ -121,12 +121,13 @@ impl Units {
     /// All drives of a driver are a unit. Folders are looked up on the disk.
     ///
     /// # Errors
-    /// [`Error::NoDriver`] for a drive without the column, [`Error::OneDriver`] where all are of one.
+    /// [`Error::NoDriver`] for a drive without the column, [`Error::NoFolder`] for one that is not in so many folders,
+    /// [`Error::OneDriver`] where all are of one.
     pub fn by_driver(sources: &[DriveSource<'_>], by: &DriverBy) -> Result<Self, Error> {
         let (of_drives, taken_from) = match by {
             DriverBy::Column(column) => of_column(sources, column)?,
-            DriverBy::TopmostFolder => of_folders(sources, None),
-            DriverBy::FolderAbove(level) => of_folders(sources, Some(*level)),
+            DriverBy::TopmostFolder => of_folders(sources, None)?,
+            DriverBy::FolderAbove(level) => of_folders(sources, Some(*level))?,
         };
         if of_drives.windows(2).all(|two| two[0] == two[1]) {
             return Err(Error::OneDriver { taken_from });
@@ -189,10 +190,19 @@ fn of_column(sources: &[DriveSource<'_>], column: &str) -> Result<Named, Error> 
     Ok((of_drives, format!("the values of the column `{column}`")))
 }
 
-fn of_folders(sources: &[DriveSource<'_>], level: Option<usize>) -> Named {
+fn of_folders(sources: &[DriveSource<'_>], level: Option<usize>) -> Result<Named, Error> {
     let folders: Vec<PathBuf> = sources.iter().map(|s| folder_of(s.path)).collect();
     let drivers: Vec<PathBuf> = match level {
-        Some(level) => folders.iter().map(|f| above(f, level.max(1) - 1)).collect(),
+        Some(level) => {
+            let named = folders.iter().zip(sources);
+            let driver = |(folder, source): (&PathBuf, &DriveSource<'_>)| {
+                above(folder, level.max(1) - 1).ok_or_else(|| Error::NoFolder {
+                    drive: source.place.to_owned(),
+                    level,
+                })
+            };
+            named.map(driver).collect::<Result<_, _>>()?
+        }
         None => {
             let common = common(&folders);
             folders.iter().map(|f| first_below(f, &common)).collect()
@@ -205,7 +215,7 @@ fn of_folders(sources: &[DriveSource<'_>], level: Option<usize>) -> Named {
         Some(level) => format!("the folder {level} above each file"),
         None => format!("the folders in `{}`", above_all.display()),
     };
-    (of_drives, taken_from)
+    Ok((of_drives, taken_from))
 }
 
 /// The true folder of a file, as far as it is on the disk.
@@ -215,8 +225,10 @@ fn folder_of(path: &str) -> PathBuf {
     path.parent().unwrap_or(&path).to_owned()
 }
 
-fn above(folder: &Path, levels: usize) -> PathBuf {
-    folder.ancestors().nth(levels).unwrap_or(folder).to_owned()
+/// `None` where there is none with a name.
+fn above(folder: &Path, levels: usize) -> Option<PathBuf> {
+    let above = folder.ancestors().nth(levels)?;
+    above.file_name().map(|_| above.to_owned())
 }
 
 /// The folder that holds all of them.
@@ -258,7 +270,10 @@ mod tests {
 
     #[test]
     fn a_driver_is_the_folder_at_a_level() {
-        assert_eq!(above(Path::new("/x/anna/1"), 1), Path::new("/x/anna"));
-        assert_eq!(above(Path::new("/x"), 5), Path::new("/x"));
+        assert_eq!(above(Path::new("/x/anna/1"), 1), Some("/x/anna".into()));
+        assert_eq!(
+            [above(Path::new("/x"), 5), above(Path::new("/x"), 1)],
+            [None, None]
+        );
     }
 }

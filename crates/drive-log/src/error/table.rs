@@ -97,7 +97,7 @@ pub enum TableError {
         text: String,
     },
     /// A clock time is not a time.
-    #[error("{}, line {line}, column {header:?}: {text:?} is not a time; write it as 2026-03-29T01:55:00, with Z or +01:00 in all rows or in none, or as HH:MM:SS, or leave the cell empty", path.display())]
+    #[error("{}, line {line}, column {header:?}: {text:?} is not a time; write it as 2026-03-29T01:55:00, with Z or +01:00 in all rows or in none, or as HH:MM:SS, or leave the cell empty; of 29/3/2026 a layout says with date_order = \"dmy\" or \"mdy\" what is the day", path.display())]
     Clock {
         /// The file.
         path: PathBuf,

@@ -221,6 +221,5 @@ fn change(checked: &mut Checked, change: impl Fn(f64) -> f64) {
 }
 
 fn report(checked: &mut Checked, kind: FindingKind, action: Action, detail: String) {
-    let samples = 0..checked.log.len();
-    checked.report(kind, Channel::Accelerometer, &samples, action, detail);
+    checked.report_all(kind, Channel::Accelerometer, action, detail);
 }

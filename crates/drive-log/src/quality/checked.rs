@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::quantised::Rounding;
 use crate::{Action, Channel, Finding, FindingKind, RawLog};
 
 /// A recording without what was found wrong with it.
@@ -14,6 +15,8 @@ pub struct Checked {
     pub findings: Vec<Finding>,
     /// Samples before which the recording is not continuous, though there is no gap.
     pub(crate) cuts: Vec<usize>,
+    /// How the speed was rounded, if it was.
+    pub(crate) rounding: Option<Rounding>,
 }
 
 impl Checked {
@@ -33,6 +36,17 @@ impl Checked {
         );
         self.findings
             .push(Finding::of_channel(kind, channel, span_s, action, detail));
+    }
+
+    /// Reports a finding about all samples.
+    pub(super) fn report_all(
+        &mut self,
+        kind: FindingKind,
+        channel: Channel,
+        action: Action,
+        detail: String,
+    ) {
+        self.report(kind, channel, &(0..self.log.len()), action, detail);
     }
 
     /// Sets the samples of `range` to missing.

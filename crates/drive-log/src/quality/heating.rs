@@ -160,10 +160,9 @@ pub(super) fn drop_pinned(checked: &mut Checked) {
             "{value_w} W in {:.0} % of the samples",
             100.0 * count as f64 / finite as f64
         );
-        checked.report(
+        checked.report_all(
             FindingKind::Pinned,
             Channel::HeatingPower,
-            &samples,
             Action::Dropped,
             detail,
         );
@@ -189,15 +188,13 @@ pub(super) fn take_request(checked: &mut Checked) {
     if let Some(detail) = contradiction(checked, Channel::HeatingRequest) {
         drop_channel(checked, Channel::HeatingRequest, detail);
     } else if let Some(request_w) = checked.log.channels.get(&Channel::HeatingRequest).cloned() {
-        let samples = 0..request_w.len();
         checked
             .log
             .channels
             .insert(Channel::HeatingPower, request_w);
-        checked.report(
+        checked.report_all(
             FindingKind::Missing,
             Channel::HeatingPower,
-            &samples,
             Action::Replaced,
             format!("{} taken in its place", Channel::HeatingRequest),
         );
@@ -205,14 +202,7 @@ pub(super) fn take_request(checked: &mut Checked) {
 }
 
 fn drop_channel(checked: &mut Checked, channel: Channel, detail: String) {
-    let samples = 0..checked.log.len();
-    checked.report(
-        FindingKind::Contradicted,
-        channel,
-        &samples,
-        Action::Dropped,
-        detail,
-    );
+    checked.report_all(FindingKind::Contradicted, channel, Action::Dropped, detail);
     checked.log.channels.remove(&channel);
 }
 

@@ -86,6 +86,13 @@ pub(super) fn speed_interval_s(checked: &Checked) -> f64 {
 }
 
 fn renew(checked: &mut Checked, channel: Channel, renewal: Renewal) {
+    if let Some(rounding) = checked
+        .rounding
+        .as_mut()
+        .filter(|_| channel == Channel::Speed)
+    {
+        rounding.interval_s = renewal.interval_s;
+    }
     let values = checked.values(channel).unwrap_or_default();
     let keep_gaps = channel == Channel::Speed && renewal.interval_s > SLOWEST_SPEED_S;
     let mut renewed = vec![f64::NAN; values.len()];
@@ -111,8 +118,7 @@ fn renew(checked: &mut Checked, channel: Channel, renewal: Renewal) {
 }
 
 fn report(checked: &mut Checked, channel: Channel, action: Action, detail: String) {
-    let samples = 0..checked.log.len();
-    checked.report(FindingKind::Held, channel, &samples, action, detail);
+    checked.report_all(FindingKind::Held, channel, action, detail);
 }
 
 /// Runs of samples with a value.
@@ -130,7 +136,9 @@ fn stretches(values: &[f64]) -> Vec<Range<usize>> {
 /// How a channel is renewed; `None` where rows are not faster than the channel.
 fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
     let values = checked.values(channel)?;
-    let (moving, all) = in_motion(checked.log.time_s(), values);
+    let rounding = checked.rounding.filter(|_| channel == Channel::Speed);
+    let step = rounding.map_or(0.0, |rounding| rounding.lattice.step_mps);
+    let (moving, all) = in_motion(checked.log.time_s(), values, step);
     let stops = moving.iter().filter(|(_, rows)| *rows > 1).count();
     let is_fine = moving.len() as f64 >= RARE * all as f64;
     let share = if channel == Channel::Speed && is_fine {
@@ -158,8 +166,9 @@ fn renewal(checked: &Checked, channel: Channel) -> Option<Renewal> {
     })
 }
 
-/// How long each value in the middle of a motion stays, s and rows, and how many values there are in all.
-fn in_motion(time_s: &[f64], values: &[f64]) -> (Vec<(f64, usize)>, usize) {
+/// How long each value in the middle of a motion stays, s and rows, and how many values there are in all. Digits are no finer than a
+/// step that is known.
+fn in_motion(time_s: &[f64], values: &[f64], step: f64) -> (Vec<(f64, usize)>, usize) {
     let runs: Vec<Range<usize>> = constant_runs(values).collect();
     let change = |pair: &[Range<usize>]| {
         let change = values[pair[1].start] - values[pair[0].start];
@@ -171,7 +180,7 @@ fn in_motion(time_s: &[f64], values: &[f64]) -> (Vec<(f64, usize)>, usize) {
         return (Vec::new(), 0);
     };
     let moves = |(before, after): (f64, f64)| {
-        before * after > 0.0 && before.abs().min(after.abs()) >= DIGITS * digit
+        before * after > 0.0 && before.abs().min(after.abs()) >= DIGITS * digit.max(step)
     };
     let stays = |i: usize| {
         let changes = changes[i - 1].zip(changes[i])?;

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::checked::Checked;
+use super::time::MAX_LATE;
+use crate::statistics::median_step_s;
 use crate::{Action, Finding, FindingKind};
 
 /// Samples further apart do not say whether there was a jump, s.
@@ -21,12 +23,16 @@ const VALUES: usize = 10;
 const SHARE: f64 = 0.2;
 const MOVING_MPS: f64 = 1.0;
 
+/// A clock that starts anew is one of another recording, with so many rows on average.
+const BLOCK_ROWS: usize = 100;
+
 /// Refuses a recording whose speed goes to and fro between two or more.
 pub(super) fn refuse(checked: &mut Checked) {
-    let rows = in_order(checked);
+    let blocks = in_order(checked);
     let (mut above, mut below) = (BTreeSet::new(), BTreeSet::new());
     let mut count = 0;
-    for around in rows.windows(3).filter(|around| is_apart(around)) {
+    let triples = blocks.iter().flat_map(|rows| rows.windows(3));
+    for around in triples.filter(|around| is_apart(around)) {
         let side = if around[1].1 > around[0].1 {
             &mut above
         } else {
@@ -35,8 +41,9 @@ pub(super) fn refuse(checked: &mut Checked) {
         side.insert(around[1].1.to_bits());
         count += 1;
     }
-    let moving = rows
-        .windows(2)
+    let moving = blocks
+        .iter()
+        .flat_map(|rows| rows.windows(2))
         .filter(|pair| pair[0].1.max(pair[1].1) > MOVING_MPS)
         .count();
     let is_many = count >= ROWS && count as f64 >= SHARE * moving as f64;
@@ -47,18 +54,40 @@ pub(super) fn refuse(checked: &mut Checked) {
         "in {count} of {moving} rows in motion the speed is another than before and after, by jumps that no car makes: rows of several \
          vehicles or sensors lie between each other; name the column that tells them apart in split_by of a layout, or give each a file"
     );
-    let span_s = (rows[0].0, rows[rows.len() - 1].0);
+    let times_s = || blocks.iter().flatten().map(|row| row.0);
+    let span_s = (
+        times_s().fold(f64::INFINITY, f64::min),
+        times_s().fold(f64::NEG_INFINITY, f64::max),
+    );
     let finding = Finding::of_time(FindingKind::Interleaved, span_s, Action::Refused, detail);
     checked.findings.push(finding);
 }
 
-/// Times and speeds in the order of time.
-fn in_order(checked: &Checked) -> Vec<(f64, f64)> {
+/// Times and speeds in the order of time, of each recording on its own where a clock starts anew.
+fn in_order(checked: &Checked) -> Vec<Vec<(f64, f64)>> {
     let samples = checked.log.time_s().iter().zip(checked.log.speed_mps());
     let known = samples.filter(|(t, v)| t.is_finite() && v.is_finite());
-    let mut rows: Vec<(f64, f64)> = known.map(|(t, v)| (*t, *v)).collect();
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rows
+    let rows: Vec<(f64, f64)> = known.map(|(t, v)| (*t, *v)).collect();
+    let late_s = MAX_LATE as f64 * median_step_s(checked.log.time_s());
+    let mut latest_s = f64::NEG_INFINITY;
+    let mut blocks: Vec<Vec<(f64, f64)>> = Vec::new();
+    for row in &rows {
+        if row.0 < latest_s - late_s || blocks.is_empty() {
+            blocks.push(Vec::new());
+            latest_s = f64::NEG_INFINITY;
+        }
+        latest_s = latest_s.max(row.0);
+        if let Some(block) = blocks.last_mut() {
+            block.push(*row);
+        }
+    }
+    if blocks.len() * BLOCK_ROWS > rows.len() {
+        blocks = vec![rows];
+    }
+    for block in &mut blocks {
+        block.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    blocks
 }
 
 /// Whether the middle one of three rows is of another speed than the two around it.

@@ -35,7 +35,6 @@ pub(super) fn convert(checked: &mut Checked) {
         .copied()
         .filter(|(f, _)| fits(*f))
         .collect();
-    let samples = 0..checked.log.len();
     let why = format!("limits in steps of 5 m/s, up to {highest} m/s");
     let (action, detail) = if let [(factor, unit)] = possible.as_slice() {
         if let Some(values) = checked.log.channels.get_mut(&Channel::SpeedLimit) {
@@ -51,11 +50,5 @@ pub(super) fn convert(checked: &mut Checked) {
             format!("{why}, which no country has; name the unit in the header or a layout");
         (Action::Dropped, detail)
     };
-    checked.report(
-        FindingKind::Unit,
-        Channel::SpeedLimit,
-        &samples,
-        action,
-        detail,
-    );
+    checked.report_all(FindingKind::Unit, Channel::SpeedLimit, action, detail);
 }

@@ -5,21 +5,27 @@
 
 mod accelerometer;
 mod checked;
+mod code;
 mod distance;
 mod dropout;
+mod exchanged;
 mod frozen;
 mod heating;
 mod held;
 mod interleaved;
 mod jump;
+mod lattice;
 mod limit_unit;
 mod motion;
 mod power;
 mod quantised;
+mod radar;
 mod range;
+mod row_number;
 mod runs;
 mod sentinel;
 mod sign;
+mod slope;
 mod speed_mistake;
 mod speed_unit;
 pub(crate) mod time;
@@ -27,6 +33,7 @@ mod time_unit;
 mod unit_change;
 
 pub use checked::Checked;
+use quantised::Rounding;
 pub(crate) use range::plausible;
 
 use crate::{Channel, RawLog};
@@ -39,14 +46,19 @@ use crate::{Channel, RawLog};
 /// | unit of time | no speed changes like this | scaled where one unit is possible, else refused |
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
+/// | times that count rows | whole numbers, and accelerometer, way, or starts and stops say otherwise | scaled, refused or kept |
 /// | missing values | | none |
+/// | volts and amps exchanged | a voltage varies by half of its mean, and the current hardly | exchanged |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
 /// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
+/// | codes of other channels | one exact value in single rows, far outside all others | removed |
 /// | dropouts | a speed off both its neighbours, on the same side, by more than a car turns around, for 2 s at most | removed, with all samples of a value that is a code |
 /// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
 /// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer, distance and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept; a channel that is alone against all others is dropped |
 /// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |
 /// | accelerometer | late, in g, turned around, off level | shifted or scaled; dropped where it does not follow the speed |
+/// | slope, elevation | slopes of no street, or turned around, or another multiple of what the elevation rises; feet | dropped |
+/// | gap and speed ahead | the gap does not change as the speeds differ | scaled; removed where it is the last one kept |
 /// | frozen speed | constant over 0.5 m/s for 10 s (90 s where the speed often repeats) with two of acceleration, torque, voltage and current; for 60 s alone (kept after 300 s where the speed often repeats) | removed with all that froze |
 /// | frozen elevation | constant, and not 0, over 5 km | removed |
 /// | splice | speed jumps by more than 10 m/s² · Δt + 1 m/s; state of charge by 1.5 % | cut; kept where the state of charge jumps alone |
@@ -67,24 +79,31 @@ pub fn check(log: RawLog) -> Checked {
         log,
         findings,
         cuts: Vec::new(),
+        rounding: None,
     };
     interleaved::refuse(&mut checked);
     time_unit::convert(&mut checked);
     time::repair(&mut checked);
+    row_number::judge(&mut checked);
     range::report_missing(&mut checked);
     // a unit tells before the range does, in which another unit may leave no more than a part
-    range::remove(&mut checked, |channel| !channel.is_motion());
+    exchanged::put_right(&mut checked);
+    range::remove(&mut checked, |c| !c.is_motion() && *c != Channel::Slope);
+    code::remove(&mut checked);
     let interval_s = held::speed_interval_s(&checked);
     dropout::remove_speed(&mut checked, interval_s);
     sentinel::remove_speed(&mut checked, interval_s);
     sentinel::remove_gaps(&mut checked);
+    checked.rounding = Rounding::of(checked.log.speed_mps());
     held::collapse(&mut checked);
     sign::flip_current(&mut checked);
     unit_change::convert(&mut checked);
     limit_unit::convert(&mut checked);
     speed_unit::convert(&mut checked);
-    range::remove(&mut checked, Channel::is_motion);
+    slope::judge(&mut checked);
+    range::remove(&mut checked, |c| c.is_motion() || *c == Channel::Slope);
     dropout::remove_speed(&mut checked, 0.0);
+    radar::mend(&mut checked);
     sentinel::remove_limits(&mut checked);
     accelerometer::mend(&mut checked);
     frozen::remove_speed(&mut checked);

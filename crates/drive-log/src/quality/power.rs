@@ -146,6 +146,10 @@ impl Car {
         self.mass_kg < LIGHTEST_KG || self.mass_kg > LORRY_KG
     }
 
+    pub(super) fn is_heavy(&self) -> bool {
+        self.mass_kg > 2.0 * MASS.0
+    }
+
     /// How far it is off a passenger car, in usual factors; the drag area may be off by its error.
     pub(super) fn oddity(&self) -> f64 {
         let error = ERRORS * self.drag_error_m2;

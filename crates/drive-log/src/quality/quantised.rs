@@ -7,17 +7,13 @@
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::lattice::Lattice;
 use super::runs::constant_runs;
-use crate::statistics::{median_step_s, quantile};
+use crate::statistics::median_step_s;
 use crate::{Action, Channel, FindingKind};
 
-/// Steps under this are lost in the smoothing, m/s: 0.2 km/h. So are those whose differences are under this, m/s²: whole km/h at 1 Hz.
-const LEAST_STEP_MPS: f64 = 0.05;
+/// Steps whose differences are under this, m/s², are lost in the smoothing: whole km/h at 1 Hz.
 const LEAST_STEP_MPS2: f64 = 0.3;
-
-/// Changes that tell the step, and the share of them that must be a multiple of it.
-const LEAST_CHANGES: usize = 20;
-const MULTIPLE_SHARE: f64 = 0.98;
 
 /// How fast the acceleration of a car wanders, m²/s⁵: by 0.57 m/s² within a second, 1.8 m/s³ from one sample to the next at 10 Hz.
 const WANDER_M2PS5: f64 = 0.32;
@@ -28,54 +24,55 @@ const INDEPENDENT_S: f64 = 0.1;
 /// A speed of 0 this far from any other is a standstill, s.
 const STANDSTILL_S: f64 = 0.3;
 
+/// How a speed was rounded, and how often it was renewed, s, where rows are faster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rounding {
+    pub(super) lattice: Lattice,
+    pub(super) interval_s: f64,
+}
+
+impl Rounding {
+    /// Looks at the values as they were recorded, before lines between them are drawn.
+    pub(super) fn of(speed_mps: &[f64]) -> Option<Self> {
+        Lattice::of(speed_mps).map(|lattice| Self {
+            lattice,
+            interval_s: 0.0,
+        })
+    }
+
+    /// The same in another unit.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.lattice.step_mps *= factor;
+        self.lattice.reach_mps *= factor;
+    }
+}
+
 /// Smooths a rounded speed. It stays within half a step of every sample.
 pub(super) fn smooth_speed(checked: &mut Checked) {
     let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
-    let Some(step_mps) = step_mps(speed_mps) else {
+    let Some(rounding) = checked.rounding else {
         return;
     };
-    if step_mps < LEAST_STEP_MPS2 * median_step_s(time_s) {
+    let step_mps = rounding.lattice.step_mps;
+    if step_mps < LEAST_STEP_MPS2 * median_step_s(time_s).max(rounding.interval_s) {
         return;
     }
     let mut smooth_mps = speed_mps.to_vec();
     for range in continuous(speed_mps, &checked.cuts) {
-        smoothed(&time_s[range.clone()], &mut smooth_mps[range], step_mps);
+        smoothed(&time_s[range.clone()], &mut smooth_mps[range], rounding);
     }
     stand_still(time_s, speed_mps, &mut smooth_mps);
     let detail = format!(
         "in steps of {:.3} km/h, taken as rounded to the nearest; smoothed within half a step",
         3.6 * step_mps
     );
-    let all = 0..smooth_mps.len();
-    checked.report(
+    checked.report_all(
         FindingKind::Quantised,
         Channel::Speed,
-        &all,
         Action::Smoothed,
         detail,
     );
     checked.log.channels.insert(Channel::Speed, smooth_mps);
-}
-
-/// Step of a rounded speed, m/s; `None` where it is fine.
-fn step_mps(speed_mps: &[f64]) -> Option<f64> {
-    let runs: Vec<Range<usize>> = constant_runs(speed_mps).collect();
-    let mut jumps_mps: Vec<f64> = runs
-        .windows(2)
-        .filter(|pair| pair[0].end == pair[1].start)
-        .map(|pair| (speed_mps[pair[1].start] - speed_mps[pair[0].start]).abs())
-        .collect();
-    if jumps_mps.len() < LEAST_CHANGES {
-        return None;
-    }
-    let step_mps = quantile(&mut jumps_mps, 0.05)?;
-    let is_multiple = |jump: &&f64| {
-        let steps = *jump / step_mps;
-        (steps - steps.round()).abs() < 1e-3 && steps > 0.5
-    };
-    let multiples = jumps_mps.iter().filter(is_multiple).count();
-    (step_mps >= LEAST_STEP_MPS && multiples as f64 >= MULTIPLE_SHARE * jumps_mps.len() as f64)
-        .then_some(step_mps)
 }
 
 /// Ranges without a missing value and without a cut.
@@ -94,18 +91,19 @@ fn continuous(speed_mps: &[f64], cuts: &[usize]) -> Vec<Range<usize>> {
     ranges
 }
 
-/// Minimises `Σ wᵢ (vᵢ − xᵢ)² + Σ (aᵢ − aᵢ₋₁)² / (wander · step)`, and clips to half a step about `x`.
-fn smoothed(time_s: &[f64], speed_mps: &mut [f64], step_mps: f64) {
+/// Minimises `Σ wᵢ (vᵢ − xᵢ)² + Σ (aᵢ − aᵢ₋₁)² / (wander · step)`, and clips to what was rounded to `x`.
+fn smoothed(time_s: &[f64], speed_mps: &mut [f64], rounding: Rounding) {
     let n = speed_mps.len();
     if n < 3 {
         return;
     }
     let steps_s: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let variance = step_mps * step_mps / 12.0;
+    let variance = rounding.lattice.step_mps.powi(2) / 12.0;
+    let independent_s = INDEPENDENT_S.max(rounding.interval_s);
     let mut matrix = Pentadiagonal::new(n);
     for i in 0..n {
         let own_s = 0.5 * (steps_s[i.max(1) - 1] + steps_s[i.min(n - 2)]);
-        matrix.diagonal[i] = (own_s / INDEPENDENT_S).min(1.0) / variance;
+        matrix.diagonal[i] = (own_s / independent_s).min(1.0) / variance;
     }
     let mut right: Vec<f64> = matrix
         .diagonal
@@ -119,7 +117,7 @@ fn smoothed(time_s: &[f64], speed_mps: &mut [f64], step_mps: f64) {
         matrix.add_square(i, [before, -before - after, after], weight);
     }
     matrix.solve(&mut right);
-    let half = 0.5 * step_mps;
+    let half = rounding.lattice.reach_mps;
     for (v, smooth) in speed_mps.iter_mut().zip(right) {
         *v = smooth.clamp(*v - half, *v + half);
     }

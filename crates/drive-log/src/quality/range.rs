@@ -99,14 +99,17 @@ pub(super) fn remove(checked: &mut Checked, concerns: impl Fn(&Channel) -> bool)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &i| {
                 (a.min(values[i]), b.max(values[i]))
             });
-        let detail = format!(
+        let mut detail = format!(
             "{} values from {smallest} to {largest}, outside {low} to {high}",
             out.len()
         );
         let known = values.iter().filter(|v| v.is_finite()).count();
         let kinds: BTreeSet<u64> = out.iter().map(|&i| values[i].to_bits()).collect();
         let is_most = out.len() as f64 > MOST * known as f64 && kinds.len() > CODES;
-        let action = if channel != Channel::Speed && is_most {
+        let action = if channel == Channel::Speed && is_most {
+            detail.push_str(": check the unit of the speed, perhaps cm/s or 0.01 km/h");
+            Action::Refused
+        } else if is_most {
             checked.log.channels.remove(&channel);
             Action::Dropped
         } else {

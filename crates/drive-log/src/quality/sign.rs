@@ -11,6 +11,9 @@ use crate::{Action, Channel, FindingKind};
 const FLIP_BELOW: f64 = -0.5;
 const CERTAIN_DEVIATIONS: f64 = 4.0;
 
+/// Seconds of a part of the drive that has a sign of its own.
+const PART: usize = 60;
+
 /// A car this fast moves, m/s.
 const MOVING_MPS: f64 = 1.0;
 
@@ -38,7 +41,7 @@ pub(super) fn flip_current(checked: &mut Checked) {
         .into_iter()
         .filter(|span| span.speed_mps > MOVING_MPS)
         .collect();
-    if let Some(detail) = has_no_sign(checked, &spans) {
+    if let Some(detail) = has_no_sign(checked, &spans).or_else(|| turns(checked, &spans)) {
         drop_current(checked, detail);
     } else if let Some(detail) = runs_against(checked, &spans) {
         flip(checked, detail);
@@ -78,6 +81,37 @@ fn has_no_sign(checked: &Checked, spans: &[Span]) -> Option<String> {
         let (seconds, beyond) = (pairs.len(), if side > 0.0 { "below" } else { "above" });
         format!(
             "never {beyond} 0, and yet the size of the battery power and v·dv/dt correlate with {r:.2} over {seconds} seconds of braking: recorded without its sign; record charging as negative"
+        )
+    })
+}
+
+/// What says that the sign of a current is another one from some time on.
+fn turns(checked: &Checked, spans: &[Span]) -> Option<String> {
+    let known = spans
+        .iter()
+        .filter(|span| span.battery(&checked.log).is_some());
+    let known: Vec<&Span> = known.collect();
+    let pairs = pairs(checked, known.iter().copied());
+    let products = pairs.iter().map(|(inertia, power)| inertia * power);
+    let sums = products.scan(0.0, |sum, product| {
+        *sum += product;
+        Some(*sum)
+    });
+    let sums: Vec<f64> = sums.collect();
+    let all = *sums.last()?;
+    let differs = |k: &usize| (2.0 * sums[*k] - all).abs();
+    let last = (0..sums.len()).max_by(|a, b| differs(a).total_cmp(&differs(b)))?;
+    let (before, after) = pairs.split_at(last + 1);
+    let side = |part: &[(f64, f64)]| {
+        let r = correlation(part);
+        let is_certain = significance(r.abs(), part.len()) >= CERTAIN_DEVIATIONS;
+        (part.len() >= PART && is_certain && r.abs() >= -FLIP_BELOW).then_some(r)
+    };
+    let (first, second) = (side(before)?, side(after)?);
+    (first * second < 0.0).then(|| {
+        let at_s = checked.log.time_s()[*known[last].samples.end()];
+        format!(
+            "battery power and v·dv/dt correlate with {first:.2} up to {at_s:.0} s and with {second:.2} afterwards: the sign turns; not used"
         )
     })
 }
@@ -156,11 +190,9 @@ fn flip(checked: &mut Checked, detail: String) {
 }
 
 fn report(checked: &mut Checked, action: Action, detail: String) {
-    let samples = 0..checked.log.len();
-    checked.report(
+    checked.report_all(
         FindingKind::CurrentSign,
         Channel::BatteryCurrent,
-        &samples,
         action,
         detail,
     );

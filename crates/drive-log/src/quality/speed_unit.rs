@@ -3,6 +3,7 @@
 mod witnesses;
 
 use super::checked::Checked;
+use super::row_number;
 use super::speed_mistake::Mistake;
 use crate::{Action, Channel, FindingKind};
 pub(super) use witnesses::limit_share;
@@ -99,15 +100,30 @@ fn report_odd(checked: &mut Checked, odd: &[String], likely: Option<Mistake>) {
     }
 }
 
-/// Reports volts and amps of no car, whatever the speed.
+/// Reports speed, volts and amps that together are those of no car, or of an odd one that is ordinary in another unit.
 fn report_no_car(checked: &mut Checked, witnesses: &Witnesses) {
+    if let Some((why, unit)) = witnesses.odd_car() {
+        let rows = if row_number::counts_rows(checked.log.time_s()) {
+            ", whether the times count rows,"
+        } else {
+            ""
+        };
+        let detail = format!(
+            "{why}, and of an ordinary one if it is {unit}: check the unit of the speed{rows} and the scale of volts and amps"
+        );
+        return report(checked, Action::Kept, detail);
+    }
+    let counted = row_number::counts_rows(checked.log.time_s());
+    if let Some(why) = witnesses.heavy().filter(|_| counted) {
+        return row_number::report_doubt(checked, &why);
+    }
     if let Some(why) = witnesses.no_car() {
-        let detail = format!("{why}: if it is a car, check the scale of volts and amps");
-        let samples = 0..checked.log.len();
-        checked.report(
+        let detail = format!(
+            "{why}: if it is a car, check the scale of volts and amps, and the unit of the speed"
+        );
+        checked.report_all(
             FindingKind::Unit,
             Channel::BatteryCurrent,
-            &samples,
             Action::Kept,
             detail,
         );
@@ -156,6 +172,9 @@ fn rescale(checked: &mut Checked, why: &str, (factor, unit): Mistake) {
     if let Some(values) = checked.log.channels.get_mut(&Channel::Speed) {
         values.iter_mut().for_each(|v| *v *= 1.0 / factor);
     }
+    if let Some(rounding) = checked.rounding.as_mut() {
+        rounding.scale(1.0 / factor);
+    }
     let detail = format!("{why}: {unit}, divided by {factor:.4}");
     report(checked, Action::Scaled, detail);
 }
@@ -164,14 +183,7 @@ fn drop_channel(checked: &mut Checked, channel: Channel, why: &str) {
     let detail = format!(
         "{why}, and yet the drive is an ordinary one in the unit of the speed: in another unit or scale, and not used"
     );
-    let samples = 0..checked.log.len();
-    checked.report(
-        FindingKind::Unit,
-        channel,
-        &samples,
-        Action::Dropped,
-        detail,
-    );
+    checked.report_all(FindingKind::Unit, channel, Action::Dropped, detail);
     checked.log.channels.remove(&channel);
 }
 
@@ -184,6 +196,5 @@ fn refuse_both(checked: &mut Checked, witnesses: &Witnesses, channel: Channel, w
 }
 
 fn report(checked: &mut Checked, action: Action, detail: String) {
-    let samples = 0..checked.log.len();
-    checked.report(FindingKind::Unit, Channel::Speed, &samples, action, detail);
+    checked.report_all(FindingKind::Unit, Channel::Speed, action, detail);
 }

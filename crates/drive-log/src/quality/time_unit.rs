@@ -1,8 +1,9 @@
 //! Times in another unit than their header says.
 
 use super::checked::Checked;
+use super::range::plausible;
 use crate::statistics::{median_step_s, quantile};
-use crate::{Action, Finding, FindingKind};
+use crate::{Action, Channel, Finding, FindingKind};
 
 /// Units that are taken for others, and the factor that puts the times right.
 const MISTAKES: [(f64, &str); 9] = [
@@ -35,6 +36,9 @@ const CRAWL_MPS2: f64 = 0.05;
 const TRAFFIC_MPS2: (f64, f64) = (0.4, 5.0);
 const STEP_S: (f64, f64) = (0.002, 10.0);
 
+/// Rows that share a time this far from the next, s, say nothing of what is between.
+const COARSE_S: f64 = 10.0;
+
 /// Scales times to which no speed can change, or does; refuses them where the unit cannot be told.
 pub(super) fn convert(checked: &mut Checked) {
     let time_s = checked.log.time_s();
@@ -46,6 +50,16 @@ pub(super) fn convert(checked: &mut Checked) {
         .collect();
     if speeds.len() < SAMPLES {
         return;
+    }
+    let mut sizes: Vec<f64> = speeds.iter().map(|(_, v)| v.abs()).collect();
+    if quantile(&mut sizes, 0.9).is_some_and(|v| v > plausible(Channel::Speed).1) {
+        return; // whose unit is another question
+    }
+    if let Some(step_s) = coarse_step_s(time_s) {
+        let detail = format!(
+            "most rows have the time of the one before, and the others are {step_s} s later: seconds are not written; record them"
+        );
+        return report(checked, Action::Refused, detail);
     }
     let window = WINDOW.max(speeds.len() / 100);
     let Some((crash_mps2, crawl_mps2)) = high(&speeds, window, 0.75).zip(high(&speeds, 1, 0.99))
@@ -92,9 +106,16 @@ pub(super) fn convert(checked: &mut Checked) {
     }
 }
 
+/// The step of times so coarse, such as whole minutes, that most rows share theirs with another.
+fn coarse_step_s(time_s: &[f64]) -> Option<f64> {
+    let shared = time_s.windows(2).filter(|pair| pair[1] == pair[0]).count();
+    let step_s = median_step_s(time_s);
+    (2 * shared > time_s.len() && step_s >= COARSE_S).then_some(step_s)
+}
+
 /// The change of speed over a number of samples that a share of the windows in motion stays below,
 /// m/s².
-fn high(speeds: &[(f64, f64)], window: usize, share: f64) -> Option<f64> {
+pub(super) fn high(speeds: &[(f64, f64)], window: usize, share: f64) -> Option<f64> {
     let rates = (window..speeds.len()).filter_map(|i| {
         let ((t0, v0), (t1, v1)) = (speeds[i - window], speeds[i]);
         (t1 > t0 && v0.max(v1) > STOPPED_MPS).then(|| (v1 - v0).abs() / (t1 - t0))
@@ -119,7 +140,7 @@ fn is_round(step_s: f64) -> bool {
     is_whole(1e3 * step_s) && is_whole(step_s.max(1.0 / step_s))
 }
 
-fn report(checked: &mut Checked, action: Action, detail: String) {
+pub(super) fn report(checked: &mut Checked, action: Action, detail: String) {
     let mut times = checked
         .log
         .time_s()

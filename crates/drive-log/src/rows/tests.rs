@@ -151,3 +151,19 @@ fn errors_say_what_is_wrong() {
     let long = format!("t,v\n0,1{}\n", " ".repeat(1 << 20));
     assert!(read(&long).0.unwrap_err().to_string().contains("line 2"));
 }
+
+#[test]
+fn speeds_that_rows_repeat_are_told_once() {
+    let row = |i: usize, v: f64| format!("{},{v}\n", i as f64 * 0.1);
+    let wave = |i: usize| 12.0 + 6.0 * (0.02 * i as f64).sin();
+    let text = |speed: &dyn Fn(usize) -> f64| {
+        let rows: String = (0..600).map(|i| row(i, speed(i))).collect();
+        "t,v\n".to_owned() + &rows
+    };
+    assert!(rows(&text(&wave)).is_ok());
+    let whole_kmh = |i: usize| (3.6 * wave(i)).round() / 3.6;
+    assert!(rows(&text(&whole_kmh)).is_ok());
+    let (_, remarks) = read(&text(&|i| wave(i / 10 * 10)));
+    let told = remarks.iter().filter(|r| r.contains("repeated"));
+    assert_eq!(told.count(), 1, "{remarks:?}");
+}

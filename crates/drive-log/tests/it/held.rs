@@ -322,3 +322,37 @@ fn a_rounded_speed_that_freezes_with_other_channels_is_frozen() {
     assert_eq!(removed[0], "speed_mps", "{removed:?}");
     assert_eq!(removed.len(), 4, "{removed:?}");
 }
+
+#[test]
+fn a_speed_rounded_in_one_unit_and_written_in_another_is_smoothed() {
+    let truth = drive(speed_mps());
+    let written = |unit: f64, digit: f64| rounded(&rounded(&speed_mps(), unit), digit);
+    for (unit, digit) in [
+        (1.0 / 3.6, 0.1),
+        (1.0 / 3.6, 0.01),
+        (0.44704, 0.01 / 3.6),
+        (0.44704, 1.0 / 3.6),
+        (1.852 / 3.6, 0.1),
+    ] {
+        let drive = drive(written(unit, digit));
+        assert_eq!(drive.findings.len(), 1, "{unit} {digit}");
+        assert_eq!(drive.findings[0].kind, FindingKind::Quantised);
+        let work = work_jpkg(&drive) / work_jpkg(&truth);
+        assert!((work - 1.0).abs() < 0.01, "{unit} {digit}: {work}");
+    }
+    // what is fine lies on no lattice but that of its digits
+    for digit in [0.01, 0.001] {
+        assert!(kinds(&check(log(rounded(&speed_mps(), digit)))).is_empty());
+    }
+}
+
+#[test]
+fn updates_of_a_rounded_speed_are_smoothed() {
+    let truth = drive(speed_mps());
+    let drive = drive(held(&rounded(&speed_mps(), 1.0 / 3.6), 3));
+    let kinds: Vec<FindingKind> = drive.findings.iter().map(|f| f.kind).collect();
+    assert_eq!(kinds, [FindingKind::Held, FindingKind::Quantised]);
+    let work = work_jpkg(&drive) / work_jpkg(&truth);
+    assert!((work - 1.0).abs() < 0.01, "{work}");
+    assert!(root_mean_square(&drive, &truth) < 0.35);
+}

@@ -30,6 +30,11 @@ const SHARE: Usual = Usual(1.0, 0.25);
 /// From where on a figure is odd, in usual factors.
 const ODD: f64 = 1.8;
 
+/// From where on a car is odd, and up to where it is ordinary; a unit that is rare.
+const ODD_CAR: f64 = 2.5;
+const ORDINARY_CAR: f64 = 1.2;
+const KNOTS: Mistake = (1.0 / 1.852, "knots read as km/h");
+
 /// `dv/dt` and an acceleration in the log have a common factor, with this correlation; a factor is one of units within this
 /// tolerance.
 const FOLLOWS: f64 = 0.9;
@@ -159,6 +164,27 @@ impl Witnesses {
             "speed and battery power are those of a vehicle of {:.0} kg",
             car.mass_kg
         ))
+    }
+
+    /// An odd car by its battery, and the units of the speed in which it is an ordinary one.
+    pub(super) fn odd_car(&self) -> Option<(String, String)> {
+        let car = Load::fit(&self.loads, 1.0).filter(|car| car.oddity() >= ODD_CAR)?;
+        let ordinary = MISTAKES.into_iter().chain([KNOTS]).filter_map(|unit| {
+            let oddity = Load::fit(&self.loads, unit.0)?.oddity();
+            (oddity <= ORDINARY_CAR && self.objections(unit.0).is_empty())
+                .then_some((oddity, unit.1))
+        });
+        let mut ordinary: Vec<(f64, &str)> = ordinary.collect();
+        ordinary.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let units: Vec<&str> = ordinary.into_iter().map(|(_, unit)| unit).collect();
+        let why = format!("speed and battery power are those of {car}");
+        (!units.is_empty()).then(|| (why, units.join(", or ")))
+    }
+
+    /// A car twice as heavy as an ordinary one, by its battery.
+    pub(super) fn heavy(&self) -> Option<String> {
+        let car = Load::fit(&self.loads, 1.0).filter(Car::is_heavy)?;
+        Some(format!("speed and battery power are those of {car}"))
     }
 
     /// How far the drive is off an ordinary one if the speed is `k` times too large, in usual factors.
