@@ -18,6 +18,8 @@ const APART_S: f64 = 0.015;
 pub(super) const GAP_S: f64 = 0.3;
 /// How many times the scatter of poses about their lines is a jump, with what noise makes of a line that is continued.
 const CERTAIN: f64 = 7.5;
+/// Times between two poses that are longer than so many usual ones may be those of a tracker that hangs, and then catches up.
+const HANGS: f64 = 3.0;
 /// Smaller jumps of headings look like wheels that change their speed, in rad.
 const LEAST_TURN_RAD: f64 = 0.15;
 /// Share by which newer poses count for their scatter.
@@ -129,9 +131,22 @@ impl Displaced {
         ))
     }
 
+    /// Whether poses came as of a tracker that hangs, but for the time in the middle of them.
+    fn hangs(&self) -> bool {
+        let next = self.recent.iter().skip(1);
+        let times_s = self.recent.iter().zip(next).enumerate();
+        let times_s = times_s.filter(|(at, _)| *at != BESIDE - 1);
+        let times_s = times_s.map(|(_, (from, to))| to.stamp_s - from.stamp_s);
+        let (least_s, most_s) = times_s.fold((f64::INFINITY, 0.0), |(least, most), time_s| {
+            (time_s.min(least), time_s.max(most))
+        });
+        most_s > HANGS * least_s.max(APART_S)
+    }
+
     /// That in the middle of the last poses, if there is one.
     fn jump(&mut self, steady: &Steady) -> Option<Off> {
-        if self.recent.len() < 2 * BESIDE || self.recent[0].stamp_s < self.counted_s {
+        let is_new = self.recent.len() == 2 * BESIDE && self.recent[0].stamp_s >= self.counted_s;
+        if !is_new || self.hangs() {
             return None;
         }
         let between_s = self.recent[BESIDE].stamp_s - self.recent[BESIDE - 1].stamp_s;
