@@ -48,7 +48,7 @@ use testbed_sim::timing;
 pub use error::Error;
 pub use path_file::PathFile;
 pub use run_file::{LoggedRun, RunFile};
-pub use shadow::{Shadow, scenario_of, shadow};
+pub use shadow::{Lane, Shadow, scenario_of, shadow};
 
 /// The examples of the README.
 #[cfg(doctest)]

@@ -7,8 +7,8 @@ use testbed_sim::tick::Truth;
 use testbed_sim::verdict::safeties;
 use testbed_sim::{Convoy, Summary, Tick, Verdict};
 use unicycle_cbf::{
-    ControllerSettings, PathSpec, Pose, RobotSpec, Scenario, ScenarioSpec, Speeds, StampedPose,
-    State, Testbed, Tracks,
+    ControllerSettings, PathSpec, Pose, RobotSpec, Safety, Scenario, ScenarioSpec, Speeds,
+    StampedPose, State, Testbed, Tracks,
 };
 
 use crate::error::Error;
@@ -70,6 +70,15 @@ pub fn scenario_of(
     })
 }
 
+/// Whose lane recorded robots are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lane {
+    /// The scenario's
+    Given,
+    /// The one of [`scenario_of`]: who leaves it may have had another
+    Laid,
+}
+
 /// What controllers did beside a recording, and what is known of its robots.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shadow {
@@ -87,7 +96,7 @@ pub struct Shadow {
 /// # Errors
 ///
 /// Another number of robots in the scenario than in the recording.
-pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<Shadow, Error> {
+pub fn shadow(scenario: &Scenario, recording: &Recording, lane: Lane) -> Result<Shadow, Error> {
     let robots = scenario.starts().len();
     if robots != recording.robots.len() {
         return Err(Error::RobotCount {
@@ -111,13 +120,16 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<Shadow, Erro
             }
         }
         let places: Vec<Option<State>> = recorded.iter().map(|r| r.state(scenario)).collect();
-        let safeties = safeties(scenario.controller(), &mut tracks, &places);
+        let mut safeties = safeties(scenario.controller(), &mut tracks, &places);
         summary.add_places(now_s, &places);
         let clearances = safeties.iter().map(|safety| {
             let half_width_m = scenario.spec().controller.lane.half_width_m;
             safety.map_or(0.0, |safety| half_width_m - safety.deviation_m.abs())
         });
         look(scenario, &mut sights, &seen, clearances);
+        if lane == Lane::Laid {
+            doubt_laid_lane(scenario, &mut safeties, &mut sights);
+        }
         let mut own: Vec<Tick> = (0..robots)
             .rev()
             .map(|robot| {
@@ -156,6 +168,19 @@ pub fn shadow(scenario: &Scenario, recording: &Recording) -> Result<Shadow, Erro
         summary,
         doubts,
     })
+}
+
+/// Outside a lane that nobody gave nobody is unsafe, and it is not known whether anybody is safe.
+fn doubt_laid_lane(scenario: &Scenario, safeties: &mut [Option<Safety>], sights: &mut Sights) {
+    let half_width_m = scenario.spec().controller.lane.half_width_m;
+    for (robot, safety) in safeties.iter_mut().enumerate() {
+        let is_outside = |safety: &&mut Safety| safety.deviation_m.abs() > half_width_m;
+        if let Some(safety) = safety.as_mut().filter(is_outside) {
+            safety.lane = safety.lane.max(0.0);
+            safety.deviation_m = half_width_m.copysign(safety.deviation_m);
+            sights.doubt(Doubt::LaidLane(robot));
+        }
+    }
 }
 
 fn sights(scenario: &Scenario) -> Sights {

@@ -36,6 +36,17 @@ pub enum Adaptation {
         /// What wheels can do, in m/s
         limit_mps: f64,
     },
+    /// A command is held for too long for full speed
+    Settling {
+        /// Commands per second
+        rate_hz: f64,
+        /// From the axle to the point of interest, in m
+        offset_m: f64,
+        /// Up to which the heading settles, in m/s
+        settling_mps: f64,
+        /// What wheels can do, in m/s
+        limit_mps: f64,
+    },
     /// Wheels go slower than they can, so that stated errors fit the lane
     Slowed {
         /// As driven, in m/s
@@ -97,6 +108,7 @@ impl Adaptation {
         all.extend(taken(spec));
         all.extend(starts_outside(demands));
         all.extend(agility(spec, demands));
+        all.extend(settling(spec, demands));
         all.extend(slowed(demands));
         all.extend(tight_bend(demands));
         all.extend(lane_rates(spec, demands));
@@ -135,6 +147,16 @@ fn agility(spec: &ScenarioSpec, demands: &Demands) -> Option<Adaptation> {
         acceleration_mps2: spec.body.wheel_acceleration_mps2(),
         turn_rate_rad_s: spec.body.max_turn_rate_rad_s,
         agile_mps,
+        limit_mps: demands.wheel_limit_mps,
+    })
+}
+
+fn settling(spec: &ScenarioSpec, demands: &Demands) -> Option<Adaptation> {
+    let settling_mps = demands.settling_wheel_speed_mps?;
+    (settling_mps < demands.wheel_limit_mps).then_some(Adaptation::Settling {
+        rate_hz: spec.rate_hz,
+        offset_m: spec.body.offset_m,
+        settling_mps,
         limit_mps: demands.wheel_limit_mps,
     })
 }
@@ -218,6 +240,16 @@ impl Display for Adaptation {
             } => write!(
                 out,
                 "wheels that change their speed by {acceleration_mps2:.2} m/s² and a turn rate of {turn_rate_rad_s:.2} rad/s turn the robot fast enough for this lane, its bends and the stated errors up to {agile_mps:.3} m/s, and not at {limit_mps:.3} m/s"
+            ),
+            Self::Settling {
+                rate_hz,
+                offset_m,
+                settling_mps,
+                limit_mps,
+            } => write!(
+                out,
+                "with {rate_hz:.1} commands per second and the point of interest {:.1} mm ahead of the axle the heading settles between commands up to {settling_mps:.3} m/s, and not at {limit_mps:.3} m/s",
+                mm(offset_m)
             ),
             Self::Slowed {
                 driven_mps,

@@ -33,6 +33,16 @@ pub enum Error {
         /// What was given.
         speed_mps: f64,
     },
+    /// A heading of more than a turn in a state that is to be explained.
+    #[error(
+        "heading_rad of the {robot} is {heading_rad}, more than a turn; is it in degrees? give headings in rad, between −π and π or 0 and 2π"
+    )]
+    Heading {
+        /// Follower or leader.
+        robot: &'static str,
+        /// What was given.
+        heading_rad: f64,
+    },
     /// Settings of a controller that cannot be.
     #[error(transparent)]
     Controller(unicycle_cbf::Error),

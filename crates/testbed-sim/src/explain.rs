@@ -8,6 +8,9 @@ use unicycle_cbf::{
 
 use crate::error::Error;
 
+/// A turn and a little more: what is beyond is no heading in rad.
+const MOST_HEADING_RAD: f64 = std::f64::consts::TAU + 0.3;
+
 /// A state to decide for, with what differs from the scenario.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -115,8 +118,9 @@ impl StateSpec {
     ///
     /// # Errors
     ///
-    /// A desired speed that is not finite, or settings that do not go with the state's.
+    /// A desired speed that is not finite, a heading of more than a turn, or settings that do not go with the state's.
     pub fn explained(&self, scenario: &Scenario) -> Result<Explained, Error> {
+        self.check_headings()?;
         let controller = self.controller(scenario)?;
         let follower = scenario.starts().len() - 1;
         let mut objectives = scenario.objectives(follower, 0.0);
@@ -129,6 +133,20 @@ impl StateSpec {
         let leader = self.leader.map(Leader::known);
         let decision = controller.decide(&self.follower, leader.as_ref(), &objectives, 0.0);
         Ok(Explained::of(&decision))
+    }
+
+    fn check_headings(&self) -> Result<(), Error> {
+        let states = [
+            ("follower", Some(&self.follower)),
+            ("leader", self.leader.as_ref()),
+        ];
+        for (robot, state) in states {
+            let heading_rad = state.map_or(0.0, |state| state.heading_rad);
+            if heading_rad.abs() > MOST_HEADING_RAD {
+                return Err(Error::Heading { robot, heading_rad });
+            }
+        }
+        Ok(())
     }
 
     fn controller(&self, scenario: &Scenario) -> Result<Controller, Error> {

@@ -1,5 +1,6 @@
 //! Real robots by the poses that were measured of them, in a session and in its replay.
 
+use unicycle_cbf::cbf::Axle;
 use unicycle_cbf::{Located, Scenario, Speeds, StampedPose, State, Tracks};
 
 use crate::sight::{BESIDE_S, Doubt, Glimpse, Sights};
@@ -24,6 +25,8 @@ pub struct Measured<'a> {
     /// Least to the edge of the lane, and how far off places were found to be, of each robot in m
     clearance_m: Vec<f64>,
     misplaced_m: Vec<f64>,
+    /// Least to the body of another robot, beyond what has to stay free
+    gap_m: Vec<f64>,
 }
 
 impl<'a> Measured<'a> {
@@ -48,6 +51,7 @@ impl<'a> Measured<'a> {
             ),
             clearance_m: vec![f64::INFINITY; robots],
             misplaced_m: vec![0.0; robots],
+            gap_m: vec![f64::INFINITY; robots],
         }
     }
 
@@ -96,10 +100,13 @@ impl<'a> Measured<'a> {
     pub fn over(&mut self, time_s: f64, told_m: impl Fn(usize, f64) -> f64 + Copy) {
         let way_m = most_way_m(self.scenario, self.is_told, told_m);
         self.sights.over(time_s, way_m);
-        let robots = self.misplaced_m.iter().zip(&self.clearance_m).enumerate();
-        for (robot, _) in robots.filter(|(_, (misplaced_m, clearance_m))| misplaced_m > clearance_m)
-        {
-            self.sights.doubt(Doubt::Misplaced(robot));
+        for (robot, misplaced_m) in self.misplaced_m.iter().enumerate() {
+            if *misplaced_m > self.clearance_m[robot] {
+                self.sights.doubt(Doubt::Misplaced(robot));
+            }
+            if *misplaced_m > self.gap_m[robot].max(0.0) {
+                self.sights.doubt(Doubt::MisplacedNear(robot));
+            }
         }
     }
 
@@ -154,6 +161,27 @@ impl<'a> Measured<'a> {
         self.tracks.last(robot, seen.pose.state(offset_m, speeds))
     }
 
+    fn note_gaps(&mut self) {
+        let controller = self.scenario.controller();
+        let middle_m = |state: &State| {
+            let axle = Axle::new(controller.body(), state);
+            [axle.x_m, axle.y_m]
+        };
+        for (robot, gap_m) in self.gap_m.iter_mut().enumerate() {
+            let Some(own) = self.places[robot].as_ref().map(middle_m) else {
+                continue;
+            };
+            let others = self.places.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != robot);
+            let apart_m = others.filter_map(|(_, place)| {
+                let [x_m, y_m] = middle_m(place.as_ref()?);
+                Some((x_m - own[0]).hypot(y_m - own[1]))
+            });
+            let nearest_m = apart_m.fold(f64::INFINITY, f64::min);
+            *gap_m = gap_m.min(nearest_m - controller.least_distance_m());
+        }
+    }
+
     /// Of poses that are about as old as each other.
     fn judge_distances(&mut self, time_s: f64, summary: &mut Summarising) {
         let offset_m = self.scenario.controller().body().offset_m;
@@ -164,6 +192,7 @@ impl<'a> Measured<'a> {
         });
         self.places.clear();
         self.places.extend(places);
+        self.note_gaps();
         summary.add_places(time_s, &self.places);
     }
 }

@@ -1,76 +1,15 @@
 //! For how long robots were not seen, and whether one can have left its lane or touched another meanwhile.
 
+mod doubt;
+
+pub use doubt::Doubt;
+
 /// Poses of two robots that are farther apart than this in time are not compared, in s.
 pub const BESIDE_S: f64 = 0.3;
 
 /// For how long a robot has to be seen without a break, in s, before it is known to do as it is told: the shorter time over which poses
 /// are compared with commands.
 const COMPARED_S: f64 = 0.8;
-
-/// Why it is not known whether a session was safe, with robots by their indices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Doubt {
-    /// No pose of it came
-    NeverSeen(usize),
-    /// It can have left its lane unseen
-    Lane(usize),
-    /// They can have touched while one of them was not seen
-    Touch([usize; 2]),
-    /// The same as [`Doubt::Lane`] of one that nobody knows to do as it is told
-    LaneAtWill(usize),
-    /// The same as [`Doubt::Touch`] where one of them is such a robot
-    TouchAtWill([usize; 2]),
-    /// Its poses said for long that it is where it cannot be
-    Disbelieved(usize),
-    /// It was found to be off where it is taken to be by more than there was to the edge of its lane
-    Misplaced(usize),
-    /// Its headings are none in rad
-    Headings(usize),
-}
-
-impl Doubt {
-    /// For people, who know robots by their ids or names.
-    #[must_use]
-    pub fn text(self, ids: &[impl ToString]) -> String {
-        let id = |robot: usize| {
-            ids.get(robot)
-                .map_or_else(|| "?".to_owned(), ToString::to_string)
-        };
-        match self {
-            Self::NeverSeen(robot) => format!("robot {} was never seen", id(robot)),
-            Self::Lane(robot) => format!(
-                "robot {} was unseen for longer than its commands needed to the edge of its lane",
-                id(robot)
-            ),
-            Self::Touch([a, b]) => format!(
-                "robots {} and {} were unseen for longer than their commands needed to each other",
-                id(a),
-                id(b)
-            ),
-            Self::LaneAtWill(robot) => format!(
-                "robot {} was seen too seldom to know that it does as it is told, and was unseen for longer than its wheels need to the edge of its lane",
-                id(robot)
-            ),
-            Self::TouchAtWill([a, b]) => format!(
-                "robots {} and {} were seen too seldom to know that they do as they are told, and were unseen for longer than their wheels need to each other",
-                id(a),
-                id(b)
-            ),
-            Self::Misplaced(robot) => format!(
-                "robot {} was measured beside where it was by more than there was to the edge of its lane",
-                id(robot)
-            ),
-            Self::Headings(robot) => format!(
-                "headings of robot {} go beyond a full turn in rad: if they are in degrees, convert them",
-                id(robot)
-            ),
-            Self::Disbelieved(robot) => format!(
-                "poses of robot {} said that it is where its commands cannot have led it",
-                id(robot)
-            ),
-        }
-    }
-}
 
 /// A pose that is believed.
 #[derive(Debug, Clone, Copy)]

@@ -24,6 +24,8 @@ pub struct Demands {
     pub driven_wheel_limit_mps: f64,
     /// Up to which wheels change fast enough for the lane; none where nothing asks for it
     pub agile_wheel_speed_mps: Option<f64>,
+    /// Up to which the heading settles between samples; none where nothing asks for it
+    pub settling_wheel_speed_mps: Option<f64>,
     /// Whether the guarantee is one for these settings: exponential rows of the lane, rows of the wheels, prediction from poses that are
     /// not older than stated, and margins for the time between samples
     pub is_guaranteed: bool,
@@ -75,6 +77,7 @@ impl Demands {
             wheel_limit_mps: spec.body.max_wheel_speed_mps,
             driven_wheel_limit_mps: speed_mps,
             agile_wheel_speed_mps: Some(limits.agile_mps).filter(|mps| mps.is_finite()),
+            settling_wheel_speed_mps: Some(limits.settling_mps).filter(|mps| mps.is_finite()),
             is_guaranteed: set.hardening.wheel_rows
                 && set.hardening.predict
                 && set.hardening.sampling_margin

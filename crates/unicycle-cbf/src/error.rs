@@ -1,13 +1,43 @@
 //! What can be wrong with settings and scenarios.
 
+use std::fmt::{Display, Formatter};
+
 use crate::path::PathError;
+
+/// Beyond this numbers are written with an exponent.
+const LONG: f64 = 1e9;
+
+/// A number, however large, in a few digits.
+pub(crate) struct Plain(pub(crate) f64);
+
+/// From the first to the second, which may be any.
+struct Between(f64, f64);
+
+impl Display for Plain {
+    fn fmt(&self, out: &mut Formatter<'_>) -> std::fmt::Result {
+        if self.0.abs() < LONG {
+            return write!(out, "{}", self.0);
+        }
+        write!(out, "{:e}", self.0)
+    }
+}
+
+impl Display for Between {
+    fn fmt(&self, out: &mut Formatter<'_>) -> std::fmt::Result {
+        let Self(least, most) = *self;
+        if most == f64::MAX {
+            return write!(out, "at least {}", Plain(least));
+        }
+        write!(out, "from {} to {}", Plain(least), Plain(most))
+    }
+}
 
 /// A setting, path or scenario that cannot be used, with the offending value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A number that has to be positive and finite
-    #[error("`{name}` is {value}; it must be positive and finite")]
+    #[error("`{name}` is {}; it must be positive and finite", Plain(*value))]
     NotPositive {
         /// Name of the setting
         name: &'static str,
@@ -15,7 +45,7 @@ pub enum Error {
         value: f64,
     },
     /// A number outside of its range
-    #[error("`{name}` is {value}; it must be from {least} to {most}")]
+    #[error("`{name}` is {}; it must be {}", Plain(*value), Between(*least, *most))]
     OutOfRange {
         /// Name of the setting
         name: &'static str,
@@ -27,7 +57,7 @@ pub enum Error {
         most: f64,
     },
     /// A number that is likely to be in another unit
-    #[error("`{name}` is {value}; it must be {believed}: {help}")]
+    #[error("`{name}` is {}; it must be {believed}: {help}", Plain(*value))]
     Unit {
         /// Name of the setting
         name: &'static str,

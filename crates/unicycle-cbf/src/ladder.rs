@@ -1,17 +1,19 @@
 //! What is done where rows contradict each other: a robot stands before it leaves its lane.
 
-use crate::clf;
 use crate::controller::Controller;
 use crate::decision::{Brake, Decision, Outcome, Terms};
 use crate::pose::State;
 use crate::qp::{self, MAX_ROWS, Row, Solution, Status};
-use crate::rows::{RowKind, Rows};
+use crate::rows::RowKind;
 
 /// Weight of the slack that lane rows share on the second rung, against 1 of the inputs.
 const RELAXATION_WEIGHT: f64 = 1e9;
 
 /// By how much more the row of the direction gives way than those of the lane.
 const DIRECTION_SHARE: f64 = 10.0;
+
+/// A robot that stands is not faster than this, in m/s.
+const STILL_MPS: f64 = 1e-3;
 
 impl Controller {
     /// Whether a robot whose rows contradict each other stands before anything gives way: within its lane, where every robot is regarded,
@@ -28,14 +30,24 @@ impl Controller {
             && deviation_m <= self.settings().lane.half_width_m
     }
 
-    /// The second rung: lane rows and that of the direction share a slack, and a robot within its lane wants no speed. Then the last:
-    /// braking.
+    /// Zero speed after the period, in place of the wishes for a speed and for no turning: a robot may turn where it stands, and what
+    /// gives way cannot be had by driving.
+    fn stand(&self, state: &State, terms: &mut Terms) {
+        let [speed, _] = self.next_speeds(state);
+        for (kind, side) in [(RowKind::Speed, 1.0), (RowKind::TurnRate, -1.0)] {
+            let [force, torque] = speed.control.map(|share| side * share);
+            let row = Row {
+                a: [force, torque, 0.0, 0.0, 0.0],
+                b: STILL_MPS - side * speed.drift,
+            };
+            terms.rows.replace(kind, row);
+        }
+    }
+
+    /// The second rung: lane rows and that of the direction share a slack, and a robot within its lane stands. Then the last: braking.
     pub(crate) fn relaxed(&self, state: &State, mut terms: Terms, weights: &[f64; 5]) -> Decision {
         if self.keeps_place(&terms) {
-            let stand = clf::speed(self.body(), state, 0.0);
-            let rate_1ps = self.settings().convergence_1ps[0];
-            let row = Rows::lyapunov_row(0, &stand, rate_1ps);
-            terms.rows.replace(RowKind::Speed, row);
+            self.stand(state, &mut terms);
         }
         let none = Row::<6> {
             a: [0.0; 6],

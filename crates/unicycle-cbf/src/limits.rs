@@ -11,6 +11,7 @@
 //! ÿ          e2 = V Δω
 //! margin     e0 + e1 (k1 + k2)/(k1 k2) + e2/(k1 k2)
 //! turning    V κ + Δω + k1 Δψ                  at most the largest turn rate, in a bend of curvature κ
+//! heading    (T + motors) (V/a + k1 + k2)      at most one: between samples it settles without overshooting
 //! ```
 //!
 //! `ÿ + (k1 + k2) ẏ + k1 k2 y ≤ k1 k2 (d − margin)` holds for what the controller believes, hence with `d` for what is true, and then
@@ -49,6 +50,8 @@ pub struct Limits {
     pub margin_at_full_speed_m: f64,
     /// Up to which speed of the wheels the robot turns fast enough, back before the edge and round the tightest bend, errors and all, in m/s
     pub agile_mps: f64,
+    /// Up to which speed of the wheels the heading settles between samples and does not overshoot, in m/s
+    pub settling_mps: f64,
     /// `k1` and `k2` of exponential rows, else the lane's rate, in 1/s: as set, or as slow as the period asks for
     pub lane_rates_1ps: [f64; 2],
 }
@@ -70,7 +73,8 @@ impl Limits {
         let half_width_m = settings.lane.half_width_m;
         let room_m = MOST_OF_LANE * half_width_m;
         let agile_mps = errors.agile_mps().min(errors.turning_mps(path)?);
-        let full_mps = body.max_wheel_speed_mps.min(agile_mps);
+        let settling_mps = errors.settling_mps()?;
+        let full_mps = body.max_wheel_speed_mps.min(agile_mps).min(settling_mps);
         let margin_at_full_speed_m = errors.margin_m(full_mps);
         let at = |wheel_speed_mps| {
             let lane_margin_m = errors.margin_m(wheel_speed_mps);
@@ -80,6 +84,7 @@ impl Limits {
                 half_width_m: (half_width_m - lane_margin_m).min(errors.bend_m(path)),
                 margin_at_full_speed_m,
                 agile_mps,
+                settling_mps,
                 lane_rates_1ps: errors.rates_1ps,
             }
         };
@@ -118,6 +123,19 @@ fn too_slow(body: &Body, needed_rad_s: f64, least_mps: f64) -> Error {
              {needed_rad_s:.3} rad/s even with wheels at {least_mps:.3} m/s, and `max_turn_rate_rad_s` is {:.3}; state smaller `heading_noise_rad`, \
              `wheel_error` or `max_pose_age_s`, or give the path rounder bends",
             body.max_turn_rate_rad_s,
+        ),
+    }
+}
+
+fn too_seldom(body: &Body, hold_s: f64, settling_mps: f64) -> Error {
+    Error::DoesNotFit {
+        what: format!(
+            "commands are held for too long: with a point of interest {:.1} mm ahead of the axle and {:.1} Hz the heading settles at {settling_mps:.4} m/s \
+             at most, which is less than {:.0} % of what wheels can do, {:.3} m/s; raise `rate_hz` or `offset_m`",
+            1e3 * body.offset_m,
+            1.0 / hold_s,
+            100.0 * LEAST_SPEED_SHARE,
+            body.max_wheel_speed_mps,
         ),
     }
 }
@@ -177,6 +195,22 @@ impl<'a> Errors<'a> {
         let body = self.body;
         let across_mps2 = body.offset_m * body.wheel_acceleration_mps2() / body.wheel_base_m;
         across_mps2 / self.rates_1ps[0]
+    }
+
+    /// With a row of the lane active the heading decays by `V/a`, and what is done about it is held for a period: its next error is the share
+    /// `1 − (T + motors) (V/a + k1 + k2)`, which is not to change its sign.
+    fn settling_mps(&self) -> Result<f64, Error> {
+        let hardening = &self.settings.hardening;
+        if !self.is_exponential() || !hardening.wheel_rows || !hardening.sampling_margin {
+            return Ok(f64::INFINITY);
+        }
+        let (body, [k1, k2]) = (self.body, self.rates_1ps);
+        let held_s = self.hold_s + Limits::MOTORS_S;
+        let settling_mps = body.offset_m * (1.0 / held_s - (k1 + k2));
+        if settling_mps < LEAST_SPEED_SHARE * body.max_wheel_speed_mps {
+            return Err(too_seldom(body, self.hold_s, settling_mps));
+        }
+        Ok(settling_mps)
     }
 
     /// What the turn rate allows: it is there for the tightest bend, for what wheels that are off turn the robot, and for undoing the

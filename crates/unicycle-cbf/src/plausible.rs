@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::error::Error;
+use crate::error::{Error, Plain};
 use crate::scenario::{PathSpec, RobotSpec, ScenarioSpec};
 use crate::settings::ControllerSettings;
 use crate::unicycle::Body;
@@ -260,20 +260,21 @@ impl RobotSpec {
         if is_loop && self.start.abs() > 1.0 {
             return refuse(format!(
                 "has `start` {}; on a closed path it is in revolutions, from -1 to 1: were degrees or m meant?",
-                self.start
+                Plain(self.start)
             ));
         }
         if self.start_deviation_m.abs() > HALF_WIDTH_M {
             return refuse(format!(
                 "starts {} m beside the path, and {HALF_WIDTH_M} m are the most; {LENGTHS}",
-                self.start_deviation_m
+                Plain(self.start_deviation_m)
             ));
         }
         let most_mps = SPEED_MPS.min(TIMES * body.max_wheel_speed_mps);
         let mut speeds_mps = self.desired_speed_mps.iter().map(|[_, mps]| *mps);
         if let Some(speed_mps) = speeds_mps.find(|mps| mps.abs() > most_mps) {
             return refuse(format!(
-                "is wanted to go at {speed_mps} m/s, and its wheels go at {} m/s; {SPEEDS}",
+                "is wanted to go at {} m/s, and its wheels go at {} m/s; {SPEEDS}",
+                Plain(speed_mps),
                 body.max_wheel_speed_mps
             ));
         }

@@ -113,17 +113,9 @@ impl Rows {
 
     /// `L_g V · u − δ ≤ −L_f V − c V` (3.6) with the slack in its own slot.
     pub(crate) fn lyapunov(&mut self, kind: RowKind, slack: usize, v: &Lie, rate_1ps: f64) {
-        let Row { a, b } = Self::lyapunov_row(slack, v, rate_1ps);
-        self.push(kind, a, b);
-    }
-
-    pub(crate) fn lyapunov_row(slack: usize, v: &Lie, rate_1ps: f64) -> Row {
         let mut a = [v.lg[0], v.lg[1], 0.0, 0.0, 0.0];
         a[2 + slack] = -1.0;
-        Row {
-            a,
-            b: -v.lf - rate_1ps * v.value,
-        }
+        self.push(kind, a, -v.lf - rate_1ps * v.value);
     }
 
     /// `−L_g h · u ≤ L_f h + γ (h − margin)`

@@ -4,10 +4,10 @@ use clap::Args;
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{RunFile, Shadow, scenario_of, shadow};
+use testbed_io::{Lane, RunFile, Shadow, scenario_of, shadow};
 use testbed_sim::summary::outcomes_of;
 use testbed_sim::{Replay, Summary, Timing, Verdict};
-use unicycle_cbf::{Preset, Scenario, Testbed};
+use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 use super::run::clear_times;
 use super::run_text::{verdict, why_not_known};
@@ -183,11 +183,13 @@ fn beside(
     context: &Context,
 ) -> anyhow::Result<Outcome> {
     let recording = recorded::read_recording(files, layout)?;
-    let spec = match &args.scenario {
-        Some(file) => RunFile::read(file)?.scenario,
+    let (spec, lane) = match &args.scenario {
+        Some(file) => (RunFile::read(file)?.scenario, Lane::Given),
         None => {
             let settings = args.testbed.scenario("straight", args.preset)?.controller;
-            scenario_of(&recording, args.testbed, settings)?
+            let spec = scenario_of(&recording, args.testbed, settings)?;
+            output::note(context, &laid(&spec));
+            (spec, Lane::Laid)
         }
     };
     let scenario = Scenario::new(spec)?;
@@ -195,7 +197,7 @@ fn beside(
         mut ticks,
         summary,
         doubts,
-    } = shadow(&scenario, &recording)?;
+    } = shadow(&scenario, &recording, lane)?;
     if context.no_times {
         clear_times(&mut ticks);
     }
@@ -224,6 +226,15 @@ fn beside(
         Format::Text => output::print_text(&beside_text(&document.body))?,
     }
     Ok(judged.and(outcome(summary.verdict, &doubts)?))
+}
+
+/// The lane that robots are judged by where none is given.
+fn laid(spec: &ScenarioSpec) -> String {
+    let half_width_m = spec.controller.lane.half_width_m;
+    format!(
+        "no lane is given: robots are judged by a circle about the middle of the last robot's poses, with a lane of ±{half_width_m:.2} m; \
+         whoever leaves it is not called unsafe (`--scenario` gives the lane)"
+    )
 }
 
 fn beside_text(body: &Beside) -> String {

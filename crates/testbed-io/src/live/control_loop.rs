@@ -189,7 +189,7 @@ impl<'a> ControlLoop<'a> {
         self.judge_arrived();
         for robot in 0..self.convoy.robots() {
             self.judge.misplaced(robot, self.watch.misplaced_m(robot));
-            if self.contradictions.lasted_s(robot).is_some() {
+            if self.doubted_s(robot).is_some() {
                 self.judge.sights().doubt(Doubt::Disbelieved(robot));
             }
         }
@@ -274,16 +274,30 @@ impl<'a> ControlLoop<'a> {
     fn look_for_contradictions(&mut self, update: &mut impl FnMut(Update)) {
         self.link.inbox.disbelieved(&mut self.contradictions.now);
         for robot in 0..self.convoy.robots() {
+            if let Some(disbelieved) = &self.contradictions.now[robot] {
+                let mut newest = disbelieved.newest();
+                newest.stamp_s -= self.pacer.start_s();
+                self.watch.strayed(robot, newest);
+            }
             if let Some(note) = self.contradictions.note(robot) {
                 update(Update::Note(&note));
             }
         }
     }
 
+    /// For how long poses of a robot have contradicted where its commands led it, in s.
+    fn doubted_s(&self, robot: usize) -> Option<f64> {
+        let lasted_s = self.contradictions.lasted_s(robot);
+        lasted_s.or_else(|| self.watch.displaced_s(robot, self.now_s))
+    }
+
     fn watched(&self, robot: usize) -> Watched {
         let watched = self.watch.watched(robot);
         let newest = &self.measured[robot];
-        let is_near = |seen: &StampedPose| self.contradictions.is_near(robot, &seen.pose);
+        let is_near = |seen: &StampedPose| {
+            self.contradictions.is_near(robot, &seen.pose)
+                || self.watch.is_near_displaced(robot, &seen.pose)
+        };
         let must_stand = newest.as_ref().is_some_and(is_near);
         Watched {
             allowed_mps: if must_stand {
@@ -291,7 +305,7 @@ impl<'a> ControlLoop<'a> {
             } else {
                 watched.allowed_mps
             },
-            disbelieved_s: self.contradictions.lasted_s(robot),
+            disbelieved_s: self.doubted_s(robot),
             ..watched
         }
     }

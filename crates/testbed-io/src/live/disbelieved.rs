@@ -32,6 +32,10 @@ impl Disbelieved {
         }
     }
 
+    pub(super) fn newest(&self) -> StampedPose {
+        self.newest
+    }
+
     /// For how long, in s, if that is long.
     fn long_s(&self) -> Option<f64> {
         let lasted_s = self.newest.stamp_s - self.since_s;

@@ -5,9 +5,12 @@
 //! by any lag and any slopes, and how well by those within what was stated: where the second is worse by much more than noise makes
 //! of it, no robot that is as stated moves like this.
 
+mod candidate;
+
 use super::commanded::Commanded;
 use super::line::Line;
-use super::moved::{Moved, Trail};
+use super::moved::Trail;
+use candidate::Candidate;
 
 /// Lags that are tried, in s: stated latencies may be too large by the first.
 const FROM_S: f64 = -0.3;
@@ -19,9 +22,6 @@ const CERTAIN: f64 = 6.0;
 const LEAST_SCATTER_M: f64 = 5e-4;
 /// Fewer poses say nothing.
 const FEWEST: usize = 7;
-/// Share of twice the error of a wheel by which two wheels may differ: errors of both that add up are worse than either.
-const OPPOSED: f64 = 0.75;
-
 /// What poses and wheels may be off by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stated {
@@ -56,16 +56,6 @@ pub(super) struct CourseAngle {
     pub(super) angle_rad: f64,
     /// What noise makes of it
     pub(super) sigma_rad: f64,
-}
-
-/// How well some lag explains the poses, in squares of m.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    lag_s: f64,
-    wheels: [Line; 2],
-    /// With the best gains, and with those as stated
-    free: f64,
-    bound: f64,
 }
 
 /// What explains the poses best.
@@ -156,6 +146,18 @@ impl Fit {
         (is_late && !is_in_time).then_some(best.late.lag_s)
     }
 
+    /// Lags with which wheels as stated explain the poses about as well as with any other, from and to, in s. Where poses scatter less
+    /// than is stated, they are told apart.
+    pub(super) fn lags_s(&self) -> Option<[f64; 2]> {
+        let best = least(self.candidates.iter(), |own| own.bound)?;
+        let scatter_m2 = self.noise_m2(0.5 * best.bound, LEAST_SCATTER_M * LEAST_SCATTER_M);
+        let most_m2 = best.bound + CERTAIN * CERTAIN * scatter_m2;
+        let mut alike = self.candidates.iter().filter(|own| own.bound <= most_m2);
+        let first_s = alike.next()?.lag_s;
+        let last_s = alike.next_back().map_or(first_s, |own| own.lag_s);
+        Some([first_s.max(0.0), last_s.max(0.0)])
+    }
+
     /// The best of several kinds, with lags up to `lag_s` in time.
     fn best(&self, lag_s: f64) -> Option<Best<'_>> {
         let all = || self.candidates.iter();
@@ -192,43 +194,6 @@ fn least<'a>(
     of: fn(&Candidate) -> f64,
 ) -> Option<&'a Candidate> {
     candidates.min_by(|a, b| of(a).total_cmp(&of(b)))
-}
-
-impl Candidate {
-    fn new<'a>(
-        moved: impl Iterator<Item = &'a Moved> + Clone,
-        told: &Commanded,
-        stated: &Stated,
-        lag_s: f64,
-    ) -> Self {
-        let half_m = 0.5 * stated.wheel_base_m;
-        let pairs = moved.map(|own| {
-            let way = told.until(own.seen.stamp_s - lag_s);
-            (way, own)
-        });
-        let wheels = [-half_m, half_m].map(|arm_m| {
-            Line::through(pairs.clone().map(|(way, own)| {
-                let told_m = way.along_m + arm_m * way.turn_rad;
-                (told_m, own.along_m + arm_m * own.turned_rad)
-            }))
-        });
-        let [left, right] = wheels;
-        let [left_gain, right_gain] = bound(wheels.map(|line| line.slope()), stated.wheel_error);
-        Self {
-            lag_s,
-            wheels,
-            free: left.rest(left.slope()) + right.rest(right.slope()),
-            bound: left.rest(left_gain) + right.rest(right_gain),
-        }
-    }
-}
-
-/// The nearest gains that wheels as stated can have.
-fn bound(gains: [f64; 2], error: f64) -> [f64; 2] {
-    let [left, right] = gains.map(|gain| gain.clamp(1.0 - error, 1.0 + error));
-    let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
-    let half = half.clamp(-OPPOSED * error, OPPOSED * error);
-    [middle - half, middle + half]
 }
 
 #[cfg(test)]

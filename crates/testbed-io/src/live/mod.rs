@@ -28,6 +28,7 @@ pub mod commands;
 mod control_loop;
 mod counts;
 mod disbelieved;
+mod displaced;
 mod fit;
 mod gate;
 mod heading;

@@ -123,6 +123,15 @@ pub enum Differing {
         /// Noise that is stated, in m
         noise_m: f64,
     },
+    /// Its poses jumped to where nothing on wheels goes at once
+    Displaced {
+        /// Ahead and to the left, in all, in m
+        off_m: [f64; 2],
+        /// To the left, in all, in rad
+        turned_rad: f64,
+        /// Noise that is stated, in m
+        noise_m: f64,
+    },
     /// It follows too late
     Lag {
         /// By how much, in s

@@ -71,6 +71,11 @@ impl RollCall {
         }
     }
 
+    /// Whether another robot moved than was told to, so that nothing is known of any.
+    pub(super) fn has_failed(&self) -> bool {
+        self.stage == Stage::Failed
+    }
+
     /// Goes on to the next robot where it can; gives what the user should know.
     pub(super) fn look<'a>(
         &mut self,

@@ -20,6 +20,8 @@ const MOST_COURSE_RAD: f64 = 1.4;
 /// How often noise of headings is counted, and after which way it shows where a robot moves, in m.
 const NOISE_PEAKS: f64 = 3.0;
 const SEEN_AFTER_M: f64 = 0.06;
+/// Robots that shall start about half a lap from each other, and more, may be so by their noise.
+const NEAR_HALF: f64 = 0.4;
 
 /// # Errors
 ///
@@ -151,7 +153,7 @@ fn order(
     let ahead_m = path.distance_along_m(controller.foot(&own).s_m, controller.foot(&leader).s_m);
     let planned_m = path.distance_along_m(scenario.start_m(robot), scenario.start_m(robot - 1));
     let most_m = path.length_m().map_or(f64::INFINITY, |length_m| {
-        0.5 * if planned_m > 0.5 * length_m {
+        0.5 * if planned_m > NEAR_HALF * length_m {
             length_m + planned_m
         } else {
             length_m

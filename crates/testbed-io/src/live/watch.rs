@@ -1,9 +1,14 @@
 //! Do the robots do what they are told? Those that do not are named, slowed down and stopped.
 
+mod differing;
+mod displacement;
+
+use testbed_sim::measured::most_mps;
 use testbed_sim::tick::Watched;
 use unicycle_cbf::{Pose, Scenario, Speeds, StampedPose};
 
 use super::commanded::Commanded;
+use super::displaced::{Displaced, Steady};
 use super::fit::{Differs, Fit, Stated};
 use super::gate::{distance_m, wrapped};
 use super::heading::{Heading, Room};
@@ -11,6 +16,7 @@ use super::jump::Jumps;
 use super::moved::{KEPT_S, Trail};
 use super::note::{Consequence, Differing, Note};
 use super::roll_call::RollCall;
+use differing::misplaced_m;
 
 /// What settings without guards are held against: noise of poses in m and rad, error of each wheel.
 const NOISE_M: f64 = 3e-3;
@@ -58,6 +64,9 @@ pub(super) struct Watch {
     recent_s: f64,
     /// Steps between two looks at a robot
     every: usize,
+    /// Whoever is nearer than this to a robot whose poses jumped stands, in m
+    near_m: f64,
+    steady: Steady,
     robots: Vec<Own>,
     roll_call: RollCall,
     notes: Vec<Note>,
@@ -78,6 +87,9 @@ struct Own {
     shown: Option<[f64; 2]>,
     heading: Heading,
     jumps: Jumps,
+    displaced: Displaced,
+    /// How late it may follow its commands, from and to, in s
+    lags_s: [f64; 2],
     /// How far its point of interest was found to be from where it is taken to be, in m
     misplaced_m: f64,
 }
@@ -114,6 +126,8 @@ impl Watch {
             shown: None,
             heading: Heading::UNKNOWN,
             jumps: Jumps::default(),
+            displaced: Displaced::default(),
+            lags_s: displacement::LAGS_S,
             misplaced_m: 0.0,
         };
         let noise_m = hardening.position_noise_m.max(NOISE_M);
@@ -132,6 +146,13 @@ impl Watch {
             point_noise_m: noise_m + controller.body().offset_m * noise_rad,
             recent_s: hardening.max_pose_age_s.unwrap_or(0.0).max(RECENT_S),
             every: (LOOK_S / controller.hold_s()).round().max(1.0) as usize,
+            near_m: displacement::near_m(scenario),
+            steady: Steady {
+                noise_m,
+                noise_rad,
+                speed_mps: most_mps(scenario),
+                turn_rate_rad_s: controller.body().max_turn_rate_rad_s,
+            },
             robots: ids.iter().map(|_| own()).collect(),
             roll_call: RollCall::new(ids, noise_m, is_told),
             notes: Vec::new(),
@@ -146,6 +167,7 @@ impl Watch {
         let twice = own.deviation_m.abs() > self.half_width_m;
         let is_out = outside_m > self.stated.noise_m || (outside_m > 0.0 && twice);
         own.trail.add(seen);
+        own.displaced.add(seen, &self.steady);
         own.deviation_m = deviation_m;
         if own.was_inside && is_out && own.allowed != Allowed::Nothing {
             own.allowed = Allowed::Nothing;
@@ -189,7 +211,7 @@ impl Watch {
         let own = &self.robots[robot];
         let [position_m, heading_rad] = own.shown.unwrap_or([f64::NAN; 2]);
         let allowed_mps = match own.allowed {
-            _ if self.roll_call.holds(robot) => Some(0.0),
+            _ if self.roll_call.holds(robot) || own.displaced_by().is_some() => Some(0.0),
             Allowed::All => own.heading.most_mps(&self.room),
             Allowed::Slow { most_mps, .. } => Some(most_mps),
             Allowed::Nothing => Some(0.0),
@@ -216,6 +238,9 @@ impl Watch {
     }
 
     fn look_at(&mut self, robot: usize, time_s: f64) {
+        if self.roll_call.has_failed() || self.has_jumped(robot, time_s) {
+            return;
+        }
         let own = &mut self.robots[robot];
         let is_seen = own.is_seen(time_s - self.recent_s);
         if own.allowed == Allowed::Nothing || own.told.is_empty() || !is_seen {
@@ -223,6 +248,7 @@ impl Watch {
         }
         let fit = Fit::new(&own.trail, KEPT_S, &own.told, self.stated);
         own.heading.learn(fit.as_ref().and_then(Fit::course));
+        own.learn_lags(fit.as_ref());
         let how = own.certain(&self.stated);
         let misplaced_m = how.map_or(0.0, |how| misplaced_m(how, &self.room));
         own.misplaced_m = own.misplaced_m.max(misplaced_m);
@@ -243,7 +269,7 @@ impl Watch {
             })
         };
         let note = note.or_else(|| own.turned_outside(&self.room, self.point_noise_m, id));
-        let note = note.or_else(|| own.late(&self.stated, fit.as_ref(), id));
+        let note = note.or_else(|| own.late(fit.as_ref(), id));
         self.notes.extend(note);
     }
 }
@@ -274,8 +300,8 @@ impl Own {
         })
     }
 
-    fn late(&mut self, stated: &Stated, fit: Option<&Fit>, id: u32) -> Option<Note> {
-        let lag_s = self.lag_s(stated, fit)?;
+    fn late(&mut self, fit: Option<&Fit>, id: u32) -> Option<Note> {
+        let lag_s = self.lag_s(fit)?;
         self.lag_told = true;
         Some(Note::Late { id, lag_s })
     }
@@ -295,12 +321,11 @@ impl Own {
         Some(differs.beyond(stated))
     }
 
-    fn lag_s(&mut self, stated: &Stated, fit: Option<&Fit>) -> Option<f64> {
+    fn lag_s(&mut self, fit: Option<&Fit>) -> Option<f64> {
         if self.lag_told {
             return None;
         }
         let lag_s = fit.and_then(|fit| fit.lag_s(LAG_NOTED_S));
-        let lag_s = lag_s.filter(|lag_s| *lag_s <= stated.lag_s);
         let (looks, first_s) = self.late;
         self.late = match lag_s {
             Some(lag_s) if looks > 0 && (lag_s - first_s).abs() <= SAME_LAG_S => {
@@ -341,39 +366,6 @@ impl Own {
                 Some(Consequence::Stands)
             }
             Allowed::Nothing => None,
-        }
-    }
-}
-
-/// How far the point of interest is from where it is taken to be, in m.
-fn misplaced_m(how: Differing, room: &Room) -> f64 {
-    match how {
-        Differing::MovedWhileStanding { way_m, .. } => way_m,
-        Differing::Course { course_rad, .. } => room.misplaced_m(course_rad),
-        Differing::Jump { jump_m, .. } => jump_m.abs(),
-        Differing::Lag { .. } | Differing::Wheels { .. } => 0.0,
-    }
-}
-
-impl Differs {
-    fn beyond(self, stated: &Stated) -> Differing {
-        match self {
-            Self::Jump(jump_m) => Differing::Jump {
-                jump_m,
-                noise_m: stated.noise_m,
-            },
-            Self::Lag(lag_s) => Differing::Lag {
-                lag_s,
-                most_s: stated.lag_s,
-            },
-            Self::Course(course_rad) => Differing::Course {
-                course_rad,
-                most_rad: stated.course_rad,
-            },
-            Self::Wheels(gains) => Differing::Wheels {
-                gains,
-                error: stated.wheel_error,
-            },
         }
     }
 }

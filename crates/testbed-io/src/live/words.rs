@@ -113,6 +113,21 @@ impl Display for Differing {
                 if jump_m > 0.0 { "left" } else { "right" },
                 1e3 * noise_m
             ),
+            Self::Displaced {
+                off_m: [ahead_m, left_m],
+                turned_rad,
+                noise_m,
+            } => write!(
+                out,
+                "jumps by {:.0} mm in all, {:.0} mm {} and {:.0} mm to the {}, and by {:.0}°, where its commands cannot have led it; {:.0} mm of noise are stated",
+                1e3 * ahead_m.hypot(left_m),
+                1e3 * ahead_m.abs(),
+                if ahead_m < 0.0 { "back" } else { "ahead" },
+                1e3 * left_m.abs(),
+                if left_m < 0.0 { "right" } else { "left" },
+                turned_rad.to_degrees(),
+                1e3 * noise_m
+            ),
             Self::Lag { lag_s, most_s } => write!(
                 out,
                 "follows its commands {lag_s:.2} s later than is stated, at most {most_s:.2} s can be driven with: state `latency_s` under [poses]"

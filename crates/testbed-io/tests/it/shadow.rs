@@ -1,7 +1,7 @@
 //! Controllers beside recorded robots.
 
 use testbed_io::recorded::{RecordingLayout, read_recording};
-use testbed_io::{Shadow, scenario_of, shadow};
+use testbed_io::{Lane, Shadow, scenario_of, shadow};
 use testbed_sim::Verdict;
 use testbed_sim::summary::outcomes_of;
 use unicycle_cbf::{Preset, Scenario, Testbed};
@@ -35,7 +35,7 @@ fn round(every_s: f64, radians: f64, second_from_s: f64) -> Shadow {
     std::fs::write(&file, text).unwrap();
     let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
-    shadow(&Scenario::new(spec).unwrap(), &recording).unwrap()
+    shadow(&Scenario::new(spec).unwrap(), &recording, Lane::Laid).unwrap()
 }
 
 #[test]
@@ -60,6 +60,42 @@ fn robots_of_which_little_was_recorded_are_not_called_safe() {
         let found = doubt.is_none_or(|doubt| doubts.iter().any(|text| text.contains(doubt)));
         assert!(found && doubts.is_empty() == doubt.is_none(), "{doubts:?}");
     }
+}
+
+/// A quarter of a circle does not say what circle it was.
+#[test]
+fn a_lane_that_nobody_gave_makes_nobody_unsafe() {
+    for (seconds, verdict) in [
+        (60.0, Verdict::Safe),
+        (4.0, Verdict::NotKnown),
+        (0.5, Verdict::NotKnown),
+    ] {
+        let Shadow {
+            summary, doubts, ..
+        } = round_for(seconds);
+        assert_eq!(summary.verdict, verdict, "{seconds} s: {doubts:?}");
+        let said = doubts.iter().any(|text| text.contains("no lane was given"));
+        assert_eq!(said, verdict == Verdict::NotKnown, "{doubts:?}");
+    }
+}
+
+fn round_for(seconds: f64) -> Shadow {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..(20.0 * seconds) as u32 {
+        let time_s = 0.05 * f64::from(i);
+        for (robot, ahead) in [("a", 1.2), ("b", 0.0)] {
+            let angle = 0.2 * time_s + ahead;
+            let heading = angle + std::f64::consts::FRAC_PI_2;
+            let (sin, cos) = angle.sin_cos();
+            text += &format!("{time_s},{robot},{cos},{sin},{heading}\n");
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("poses.csv");
+    std::fs::write(&file, text).unwrap();
+    let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
+    let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
+    shadow(&Scenario::new(spec).unwrap(), &recording, Lane::Laid).unwrap()
 }
 
 /// Two robots that go round a circle, with a gap in the poses of the second.
@@ -87,7 +123,7 @@ fn gaps_stop_the_robot_and_all_else_does_not() {
     let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
     let scenario = Scenario::new(spec).unwrap();
-    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording).unwrap();
+    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording, Lane::Laid).unwrap();
     let outcomes = outcomes_of(&ticks, 1);
     let stale = outcomes.get("braking-stale-pose").copied().unwrap_or(0);
     assert!((48..=54).contains(&stale), "{outcomes:?}");
@@ -114,7 +150,7 @@ fn recorded_robots_give_decisions_throughout() {
     let recording = read_recording(&files, RecordingLayout::Mrclam).unwrap();
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
     let scenario = Scenario::new(spec).unwrap();
-    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording).unwrap();
+    let Shadow { ticks, summary, .. } = shadow(&scenario, &recording, Lane::Laid).unwrap();
     assert_eq!(ticks.len(), 5 * scenario.steps());
     for robot in 0..5 {
         let outcomes = outcomes_of(&ticks, robot);
@@ -133,7 +169,7 @@ fn another_number_of_robots_is_refused() {
     let scenario = Testbed::Robotarium
         .scenario("track", Preset::Thesis)
         .unwrap();
-    let error = shadow(&Scenario::new(scenario).unwrap(), &recording).unwrap_err();
+    let error = shadow(&Scenario::new(scenario).unwrap(), &recording, Lane::Laid).unwrap_err();
     assert!(
         error.to_string().contains("2 robots and the recording 1"),
         "{error}"

@@ -35,6 +35,12 @@ pub struct Faults {
     /// From when on the last robot is measured elsewhere, and by how much in x and y, in m
     pub elsewhere_after_s: f64,
     pub elsewhere_m: [f64; 2],
+    /// From when on the first robot is measured ahead of where it is, and by how much, in s and m
+    pub ahead: [f64; 2],
+    /// From when to when no pose of the first robot comes, in s
+    pub hidden_s: [f64; 2],
+    /// From when on headings are off by how much, in s and rad
+    pub turned: [f64; 2],
     /// All robots are measured farther to the left by the second, in m, each time after the first, in s
     pub steps: [f64; 2],
     /// Time between two poses of a robot, where they do not come at every step
@@ -54,6 +60,9 @@ impl Faults {
         on_first_after_s: f64::INFINITY,
         elsewhere_after_s: f64::INFINITY,
         elsewhere_m: [0.0; 2],
+        ahead: [f64::INFINITY, 0.0],
+        hidden_s: [f64::INFINITY; 2],
+        turned: [f64::INFINITY, 0.0],
         steps: [f64::INFINITY, 0.0],
         every_s: 0.0,
     };
@@ -71,7 +80,9 @@ impl Faults {
     fn line(&self, robot: usize, pose: &Pose, now_s: f64) -> PoseLine {
         let flipped = now_s >= self.flipped_after_s;
         let flip_rad = if flipped { std::f64::consts::PI } else { 0.0 };
-        let theta = pose.heading_rad + self.yaw_rad + flip_rad;
+        let [from_s, off_rad] = self.turned;
+        let turned_rad = if now_s >= from_s { off_rad } else { 0.0 };
+        let theta = pose.heading_rad + self.yaw_rad + flip_rad + turned_rad;
         PoseLine {
             robot: id(robot, self.exchanged[0]),
             x: pose.x_m,
@@ -133,11 +144,21 @@ impl Robots {
             let [x_m, y_m] = self.faults.elsewhere_m;
             (last.x_m, last.y_m) = (last.x_m + x_m, last.y_m + y_m);
         }
+        let [from_s, ahead_m] = self.faults.ahead;
+        if now_s >= from_s {
+            let (sin, cos) = poses[0].heading_rad.sin_cos();
+            poses[0].x_m += ahead_m * cos;
+            poses[0].y_m += ahead_m * sin;
+        }
+        let [hidden_s, until_s] = self.faults.hidden_s;
         let [every_s, step_m] = self.faults.steps;
         for pose in &mut poses {
             pose.y_m += step_m * (now_s / every_s).floor();
         }
         for (robot, pose) in poses.iter().enumerate() {
+            if robot == 0 && (hidden_s..until_s).contains(&now_s) {
+                continue;
+            }
             serde_json::to_writer(&mut text, &self.faults.line(robot, pose, now_s)).unwrap();
             text.push(b'\n');
         }

@@ -18,6 +18,7 @@ mod json;
 mod khepera;
 mod khepera_faults;
 mod khepera_peer;
+mod leaps;
 mod mosquitto;
 mod mqtt;
 mod mqtt_faults;

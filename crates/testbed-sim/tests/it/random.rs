@@ -1,6 +1,7 @@
 //! Scenarios of users' kind: each is refused with a reason, or safe under all that it states.
 
 mod generator;
+mod quick;
 mod wide;
 
 use std::collections::BTreeMap;
@@ -98,6 +99,11 @@ fn random_scenarios_are_refused_with_a_reason_or_safe() {
 #[test]
 fn crossings_and_overtaking_in_wide_lanes_are_refused_with_a_reason_or_safe() {
     are_refused_or_safe(wide::drawn, 300);
+}
+
+#[test]
+fn small_robots_with_fast_wheels_and_few_commands_are_refused_with_a_reason_or_safe() {
+    are_refused_or_safe(quick::drawn, 1000);
 }
 
 /// Its first words, without numbers.

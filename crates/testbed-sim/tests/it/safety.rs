@@ -8,6 +8,7 @@ mod deadlock;
 mod lane;
 mod meeting;
 mod once_wrong;
+mod settling;
 mod stated;
 mod turning;
 mod wheels;

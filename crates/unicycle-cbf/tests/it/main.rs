@@ -11,6 +11,7 @@
 
 mod derivatives;
 mod guards;
+mod ladder;
 mod path;
 mod qp;
 mod reference;

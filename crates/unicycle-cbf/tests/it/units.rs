@@ -204,3 +204,15 @@ fn a_robot_that_turns_too_slowly_for_the_stated_errors_is_slowed_and_then_refuse
         assert!(error.to_string().contains(words), "{error}");
     }
 }
+
+#[test]
+fn bounds_and_numbers_are_said_in_a_few_digits() {
+    let mut spec = on_off();
+    spec.controller.headway.standstill_m = -0.5;
+    let text = Scenario::new(spec).unwrap_err().to_string();
+    assert!(text.ends_with("is -0.5; it must be at least 0"), "{text}");
+    let mut spec = on_off();
+    spec.robots[0].start = 1e300;
+    let text = Scenario::new(spec).unwrap_err().to_string();
+    assert!(text.contains("1e300") && text.len() < 200, "{text}");
+}

@@ -1,0 +1,78 @@
+//! Why it is not known whether robots were safe.
+
+/// Why it is not known whether a session was safe, with robots by their indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// No pose of it came
+    NeverSeen(usize),
+    /// It can have left its lane unseen
+    Lane(usize),
+    /// They can have touched while one of them was not seen
+    Touch([usize; 2]),
+    /// The same as [`Doubt::Lane`] of one that nobody knows to do as it is told
+    LaneAtWill(usize),
+    /// The same as [`Doubt::Touch`] where one of them is such a robot
+    TouchAtWill([usize; 2]),
+    /// Its poses said for long that it is where it cannot be
+    Disbelieved(usize),
+    /// It was found to be off where it is taken to be by more than there was to the edge of its lane
+    Misplaced(usize),
+    /// The same by more than there was to another robot
+    MisplacedNear(usize),
+    /// It left a lane that was laid around its poses
+    LaidLane(usize),
+    /// Its headings are none in rad
+    Headings(usize),
+}
+
+impl Doubt {
+    /// For people, who know robots by their ids or names.
+    #[must_use]
+    pub fn text(self, ids: &[impl ToString]) -> String {
+        let id = |robot: usize| {
+            ids.get(robot)
+                .map_or_else(|| "?".to_owned(), ToString::to_string)
+        };
+        match self {
+            Self::NeverSeen(robot) => format!("robot {} was never seen", id(robot)),
+            Self::Lane(robot) => format!(
+                "robot {} was unseen for longer than its commands needed to the edge of its lane",
+                id(robot)
+            ),
+            Self::Touch([a, b]) => format!(
+                "robots {} and {} were unseen for longer than their commands needed to each other",
+                id(a),
+                id(b)
+            ),
+            Self::LaneAtWill(robot) => format!(
+                "robot {} was seen too seldom to know that it does as it is told, and was unseen for longer than its wheels need to the edge of its lane",
+                id(robot)
+            ),
+            Self::TouchAtWill([a, b]) => format!(
+                "robots {} and {} were seen too seldom to know that they do as they are told, and were unseen for longer than their wheels need to each other",
+                id(a),
+                id(b)
+            ),
+            Self::Misplaced(robot) => format!(
+                "robot {} was measured beside where it was by more than there was to the edge of its lane",
+                id(robot)
+            ),
+            Self::MisplacedNear(robot) => format!(
+                "robot {} was measured beside where it was by more than there was to another robot",
+                id(robot)
+            ),
+            Self::LaidLane(robot) => format!(
+                "no lane was given, and robot {} left the circular one that was laid around the poses: a scenario file gives the lane that it had (`--scenario`)",
+                id(robot)
+            ),
+            Self::Headings(robot) => format!(
+                "headings of robot {} go beyond a full turn in rad: if they are in degrees, convert them",
+                id(robot)
+            ),
+            Self::Disbelieved(robot) => format!(
+                "poses of robot {} said that it is where its commands cannot have led it",
+                id(robot)
+            ),
+        }
+    }
+}
