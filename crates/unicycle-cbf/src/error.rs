@@ -25,7 +25,7 @@ impl Display for Plain {
 impl Display for Between {
     fn fmt(&self, out: &mut Formatter<'_>) -> std::fmt::Result {
         let Self(least, most) = *self;
-        if most == f64::MAX {
+        if most >= f64::MAX {
             return write!(out, "at least {}", Plain(least));
         }
         write!(out, "from {} to {}", Plain(least), Plain(most))

@@ -124,7 +124,7 @@ impl Displaced {
         }
         let gap = self.gap.take()?;
         let slope =
-            |of: fn(&StampedPose) -> f64| Fitted::through(after(), of, gap.to.stamp_s).slope;
+            |of: fn(&StampedPose) -> f64| Fitted::through(&after(), of, gap.to.stamp_s).slope;
         Some((
             gap,
             slope(|own| own.pose.x_m).hypot(slope(|own| own.pose.y_m)),
@@ -153,8 +153,8 @@ impl Displaced {
         let at_s = self.recent[BESIDE].stamp_s - 0.5 * between_s;
         let first_rad = self.recent[0].pose.heading_rad;
         let missed = |of: &dyn Fn(&StampedPose) -> f64| {
-            let before = Fitted::through(self.recent.iter().take(BESIDE), of, at_s);
-            let after = Fitted::through(self.recent.iter().skip(BESIDE), of, at_s);
+            let before = Fitted::through(&self.recent.iter().take(BESIDE), of, at_s);
+            let after = Fitted::through(&self.recent.iter().skip(BESIDE), of, at_s);
             (after.value - before.value, before.rest + after.rest)
         };
         let (x_m, x_rest) = missed(&|own| own.pose.x_m);
@@ -211,7 +211,7 @@ struct Fitted {
 
 impl Fitted {
     fn through<'a>(
-        poses: impl Iterator<Item = &'a StampedPose> + Clone,
+        poses: &(impl Iterator<Item = &'a StampedPose> + Clone),
         of: impl Fn(&StampedPose) -> f64,
         at_s: f64,
     ) -> Self {
