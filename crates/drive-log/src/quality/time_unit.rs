@@ -108,7 +108,10 @@ pub(super) fn convert(checked: &mut Checked) {
 
 /// The step of times so coarse, such as whole minutes, that most rows share theirs with another.
 fn coarse_step_s(time_s: &[f64]) -> Option<f64> {
-    let shared = time_s.windows(2).filter(|pair| pair[1].to_bits() == pair[0].to_bits()).count();
+    let shared = time_s
+        .windows(2)
+        .filter(|pair| pair[1].to_bits() == pair[0].to_bits())
+        .count();
     let step_s = median_step_s(time_s);
     (2 * shared > time_s.len() && step_s >= COARSE_S).then_some(step_s)
 }

@@ -16,6 +16,8 @@ const BESIDE: usize = 5;
 const APART_S: f64 = 0.015;
 /// Poses farther apart in time do not say whether it jumped in between, in s.
 pub(super) const GAP_S: f64 = 0.3;
+/// After a longer time nobody knows what a robot did that may not have heard that it shall stand, in s.
+const LONGEST_GAP_S: f64 = 1.0;
 /// How many times the scatter of poses about their lines is a jump, with what noise makes of a line that is continued.
 const CERTAIN: f64 = 7.5;
 /// Times between two poses that are longer than so many usual ones may be those of a tracker that hangs, and then catches up.
@@ -76,10 +78,11 @@ impl Displaced {
             }
             if since_s > GAP_S {
                 self.recent.clear();
-                self.gap = Some(Gap {
+                let gap = Gap {
                     from: last,
                     to: seen,
-                });
+                };
+                self.gap = (since_s <= LONGEST_GAP_S).then_some(gap);
             }
         }
         self.recent.push_back(seen);

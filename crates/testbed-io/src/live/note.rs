@@ -163,6 +163,8 @@ pub enum Consequence {
     HalfSpeed,
     /// It stands for good
     Stands,
+    /// It stands for good, unless its poses jump back to where they were
+    StandsUnlessBack,
 }
 
 /// How a link was lost.

@@ -88,6 +88,8 @@ struct Own {
     heading: Heading,
     jumps: Jumps,
     displaced: Displaced,
+    /// What it might do, and how far its point of interest was off in m, before its poses jumped
+    before_jump: Option<(Allowed, f64)>,
     /// How late it may follow its commands, from and to, in s
     lags_s: [f64; 2],
     /// How far its point of interest was found to be from where it is taken to be, in m
@@ -127,6 +129,7 @@ impl Watch {
             heading: Heading::UNKNOWN,
             jumps: Jumps::default(),
             displaced: Displaced::default(),
+            before_jump: None,
             lags_s: displacement::LAGS_S,
             misplaced_m: 0.0,
         };

@@ -159,6 +159,7 @@ impl Display for Consequence {
         out.write_str(match self {
             Self::HalfSpeed => "it goes on at half its speed",
             Self::Stands => "it stands for good",
+            Self::StandsUnlessBack => "it stands for good unless they jump back",
         })
     }
 }

@@ -61,11 +61,13 @@ impl Watch {
         let own = &mut self.robots[robot];
         own.look_at_gap(&self.stated, &self.steady);
         let Some((off, since_s)) = own.displaced_by() else {
+            own.jumped_back();
             return false;
         };
         if own.allowed == Allowed::Nothing || time_s - since_s < LONG_S {
             return false;
         }
+        own.before_jump = Some((own.allowed, own.misplaced_m));
         own.allowed = Allowed::Nothing;
         let off_m = off.way_m().max(self.room.misplaced_m(off.heading_rad));
         own.misplaced_m = own.misplaced_m.max(off_m);
@@ -80,13 +82,21 @@ impl Watch {
                 turned_rad: off.heading_rad,
                 noise_m: self.stated.noise_m,
             },
-            then: Consequence::Stands,
+            then: Consequence::StandsUnlessBack,
         });
         true
     }
 }
 
 impl Own {
+    /// What was so before it jumped is so again.
+    fn jumped_back(&mut self) {
+        if let Some((allowed, misplaced_m)) = self.before_jump.take() {
+            self.allowed = allowed;
+            self.misplaced_m = misplaced_m;
+        }
+    }
+
     /// How far its poses are off by jumps, and since when, in s; robots that hear nobody are not watched.
     pub(super) fn displaced_by(&self) -> Option<(Off, f64)> {
         self.displaced.off().filter(|_| !self.told.is_empty())
