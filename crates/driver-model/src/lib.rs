@@ -14,7 +14,7 @@
 //! ```
 //!
 //! Braking is acceleration in reversed time. The way there: a [`drive_log::Drive`] becomes a [`DriveBehaviour`], its phases by labels
-//! ([`HeuristicRules`]) and its segments by statistics ([`StatisticalRules`]), those under a leader's influence left out;
+//! ([`segmentation::HeuristicRules`]) and its segments by statistics ([`segmentation::StatisticalRules`]), those under a leader's influence left out;
 //! [`PhaseModel::fit`] learns from a [`TrainingSet`], in which other drivers count less.
 //!
 //! By module: [`cruise`] says how the driver holds a speed, [`following`] how he keeps the distance to a vehicle ahead,
