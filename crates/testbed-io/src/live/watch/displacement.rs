@@ -11,6 +11,8 @@ use crate::live::note::{Consequence, Differing, Note};
 
 /// A jump that lasts longer is for good, in s.
 const LONG_S: f64 = 0.5;
+/// Poses sooner after one that was believed come by turns with those, and do not count, in s.
+const BY_TURNS_S: f64 = 2.0;
 /// Whoever can be there within this time is near, in s.
 const NEAR_S: f64 = 0.5;
 /// A place that is off by more leaves it open whether robots touch, in m.
@@ -34,7 +36,11 @@ pub(super) fn near_m(scenario: &Scenario) -> f64 {
 impl Watch {
     /// A pose that is not believed.
     pub(in crate::live) fn strayed(&mut self, robot: usize, seen: StampedPose) {
-        self.robots[robot].displaced.add(seen, &self.steady);
+        let own = &mut self.robots[robot];
+        let newest = own.trail.newest().map(|known| known.seen.stamp_s);
+        if newest.is_none_or(|known_s| seen.stamp_s - known_s > BY_TURNS_S) {
+            own.displaced.add(seen, &self.steady);
+        }
     }
 
     /// For how long the place of a robot has been off by what leaves it open whether robots touch, in s.
