@@ -12,7 +12,7 @@ use crate::live::note::{Consequence, Differing, Note};
 /// A jump that lasts longer is for good, in s.
 const LONG_S: f64 = 0.5;
 /// Poses sooner after one that was believed come by turns with those, and do not count, in s.
-const BY_TURNS_S: f64 = 2.0;
+const BY_TURNS_S: f64 = 0.15;
 /// Whoever can be there within this time is near, in s.
 const NEAR_S: f64 = 0.5;
 /// A place that is off by more leaves it open whether robots touch, in m.
