@@ -23,7 +23,7 @@ const CERTAIN: f64 = 7.5;
 /// Times between two poses that are longer than so many usual ones may be those of a tracker that hangs, and then catches up.
 const HANGS: f64 = 3.0;
 /// Smaller jumps of headings look like wheels that change their speed, in rad.
-const LEAST_TURN_RAD: f64 = 0.15;
+pub(super) const LEAST_TURN_RAD: f64 = 0.15;
 /// Share by which newer poses count for their scatter.
 const NEWER: f64 = 0.02;
 /// Freedoms of the lines of one coordinate.
@@ -61,6 +61,8 @@ pub(super) struct Displaced {
     off: Off,
     /// Since when it is off, in s
     since_s: Option<f64>,
+    /// The last pose before it was
+    before: Option<StampedPose>,
     /// Poses before this are counted, in s
     counted_s: f64,
     gap: Option<Gap>,
@@ -91,12 +93,16 @@ impl Displaced {
         }
         if let Some(jump) = self.jump(steady) {
             self.counted_s = self.recent[BESIDE].stamp_s;
-            self.count(jump, self.counted_s, steady);
+            let place = Gap {
+                from: self.recent[BESIDE - 1],
+                to: self.recent[BESIDE],
+            };
+            self.count(jump, &place, steady);
         }
     }
 
-    /// A jump at a time.
-    pub(super) fn count(&mut self, jump: Off, at_s: f64, steady: &Steady) {
+    /// A jump between two poses.
+    pub(super) fn count(&mut self, jump: Off, place: &Gap, steady: &Steady) {
         let Off {
             place_m: [x_m, y_m],
             heading_rad,
@@ -107,7 +113,22 @@ impl Displaced {
         };
         let is_off = self.off.way_m() > CERTAIN * steady.noise_m
             || self.off.heading_rad.abs() > LEAST_TURN_RAD;
-        self.since_s = is_off.then_some(self.since_s.unwrap_or(at_s));
+        if self.since_s.is_none() {
+            self.before = Some(place.from);
+        }
+        self.since_s = is_off.then_some(self.since_s.unwrap_or(place.to.stamp_s));
+    }
+
+    /// The last pose before it was off.
+    pub(super) fn before(&self) -> Option<StampedPose> {
+        self.before.filter(|_| self.since_s.is_some())
+    }
+
+    /// From a time on, in s, it is where it was led from there.
+    pub(super) fn is_back(&mut self, from_s: f64) {
+        self.counted_s = from_s;
+        self.off = Off::default();
+        self.since_s = None;
     }
 
     /// How far it is off, and since when, in s, if it is.

@@ -4,15 +4,13 @@ use testbed_sim::measured::most_mps;
 use unicycle_cbf::{Pose, Scenario, StampedPose};
 
 use super::{Allowed, Own, Stated, Watch};
-use crate::live::displaced::{Gap, Off, Steady};
+use crate::live::displaced::{Gap, LEAST_TURN_RAD, Off, Steady};
 use crate::live::fit::Fit;
-use crate::live::gate::distance_m;
+use crate::live::gate::{distance_m, wrapped};
 use crate::live::note::{Consequence, Differing, Note};
 
 /// A jump that lasts longer is for good, in s.
 const LONG_S: f64 = 0.5;
-/// Poses sooner after one that was believed come by turns with those, and do not count, in s.
-const BY_TURNS_S: f64 = 0.15;
 /// Whoever can be there within this time is near, in s.
 const NEAR_S: f64 = 0.5;
 /// A place that is off by more leaves it open whether robots touch, in m.
@@ -36,11 +34,7 @@ pub(super) fn near_m(scenario: &Scenario) -> f64 {
 impl Watch {
     /// A pose that is not believed.
     pub(in crate::live) fn strayed(&mut self, robot: usize, seen: StampedPose) {
-        let own = &mut self.robots[robot];
-        let newest = own.trail.newest().map(|known| known.seen.stamp_s);
-        if newest.is_none_or(|known_s| seen.stamp_s - known_s > BY_TURNS_S) {
-            own.displaced.add(seen, &self.steady);
-        }
+        self.robots[robot].displaced.add(seen, &self.steady);
     }
 
     /// For how long the place of a robot has been off by what leaves it open whether robots touch, in s.
@@ -66,6 +60,7 @@ impl Watch {
     pub(super) fn has_jumped(&mut self, robot: usize, time_s: f64) -> bool {
         let own = &mut self.robots[robot];
         own.look_at_gap(&self.stated, &self.steady);
+        own.look_whether_back(&self.stated, &self.steady);
         let Some((off, since_s)) = own.displaced_by() else {
             own.jumped_back();
             return false;
@@ -129,19 +124,64 @@ impl Own {
         let Some((gap, speed_mps)) = self.displaced.gap() else {
             return;
         };
-        let [least_s, most_s] = self.lags_s;
-        let steps = ((most_s - least_s) / STEP_S).ceil().max(0.0) as u32;
-        let lags_s = (0..=steps).map(|step| (least_s + STEP_S * f64::from(step)).min(most_s));
-        let missed = lags_s.map(|lag_s| self.missed(&gap, lag_s));
-        let Some(off) = missed.min_by(|a, b| a.way_m().total_cmp(&b.way_m())) else {
+        let off = self.least_missed(&gap);
+        let before_mps = self
+            .told
+            .at(gap.from.stamp_s - self.lags_s[0])
+            .speed_mps
+            .abs();
+        let goes_on = before_mps > 0.0 && speed_mps > GOES_ON * before_mps;
+        if off.way_m() > self.led_within_m(&gap, stated) && !goes_on {
+            let place_m = off.place_m;
+            let off = Off {
+                place_m,
+                ..Off::default()
+            };
+            self.displaced.count(off, &gap, steady);
+        }
+    }
+
+    /// A robot that jumped far is back where commands led it from before. How late it follows them must not make up for the jump.
+    fn look_whether_back(&mut self, stated: &Stated, steady: &Steady) {
+        let (Some((off, since_s)), Some(from)) = (self.displaced.off(), self.displaced.before())
+        else {
             return;
         };
-        let way = self.told.between(gap.from.stamp_s - most_s, gap.to.stamp_s);
-        let before_mps = self.told.at(gap.from.stamp_s - least_s).speed_mps.abs();
-        let goes_on = before_mps > 0.0 && speed_mps > GOES_ON * before_mps;
-        if off.way_m() > TIMES_NOISE * stated.noise_m + ASIDE * way.path_m && !goes_on {
-            self.displaced.count(off, gap.to.stamp_s, steady);
+        let newest = self.trail.newest().map(|newest| newest.seen);
+        let Some(to) = newest.filter(|newest| newest.stamp_s > since_s) else {
+            return;
+        };
+        let way = Gap { from, to };
+        let [least_s, most_s] = self.lags_s;
+        let within_m = self.led_within_m(&way, stated);
+        let missed = self.least_missed(&way);
+        let is_led = missed.way_m() <= within_m && missed.heading_rad.abs() <= LEAST_TURN_RAD;
+        if is_led && off.way_m() > 2.0 * (within_m + (most_s - least_s) * steady.speed_mps) {
+            self.displaced.is_back(to.stamp_s);
         }
+    }
+
+    /// How near to where commands led it a robot has to come, in m.
+    fn led_within_m(&self, gap: &Gap, stated: &Stated) -> f64 {
+        let way = self
+            .told
+            .between(gap.from.stamp_s - self.lags_s[1], gap.to.stamp_s);
+        TIMES_NOISE * stated.noise_m + ASIDE * way.path_m
+    }
+
+    /// By how much a robot is not where commands led it, with the lag that explains it best.
+    fn least_missed(&self, gap: &Gap) -> Off {
+        let [least_s, most_s] = self.lags_s;
+        let steps = ((most_s - least_s) / STEP_S).ceil().max(0.0) as u32;
+        let lags_s = (1..=steps).map(|step| (least_s + STEP_S * f64::from(step)).min(most_s));
+        let missed = lags_s.map(|lag_s| self.missed(gap, lag_s));
+        missed.fold(self.missed(gap, least_s), |least, next| {
+            if next.way_m() < least.way_m() {
+                next
+            } else {
+                least
+            }
+        })
     }
 
     fn missed(&self, gap: &Gap, lag_s: f64) -> Off {
@@ -152,7 +192,7 @@ impl Own {
         let led = self.told.carried(&from, gap.to.stamp_s - lag_s);
         Off {
             place_m: [gap.to.pose.x_m - led.x_m, gap.to.pose.y_m - led.y_m],
-            heading_rad: 0.0,
+            heading_rad: wrapped(gap.to.pose.heading_rad - led.heading_rad),
         }
     }
 }
