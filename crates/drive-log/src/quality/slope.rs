@@ -1,7 +1,7 @@
 //! Slopes and elevations that contradict each other, or any road.
 
 use super::checked::Checked;
-use super::motion::{Span, spans};
+use super::motion::spans;
 use crate::statistics::{correlation, near, slope};
 use crate::{Action, Channel, FindingKind};
 
@@ -26,8 +26,7 @@ pub(super) fn judge(checked: &mut Checked) {
     };
     let known = slope_rad.iter().filter(|s| s.is_finite()).count();
     let steep = slope_rad.iter().filter(|s| s.abs() > STEEPEST_RAD).count();
-    let climbed = |span: &Span| Some(span.mean(slope_rad)? * span.distance_m());
-    let times = times_elevation(checked, climbed);
+    let times = times_elevation(checked, slope_rad);
     if steep as f64 > STEEP_SHARE * known as f64 {
         let detail = format!(
             "{steep} of {known} slopes are steeper than any street, 0.34 rad: in degrees or per cent, perhaps; name the unit in the header"
@@ -52,13 +51,14 @@ pub(super) fn judge(checked: &mut Checked) {
     }
 }
 
-/// How many times the rise of the elevation another channel climbs.
-fn times_elevation(checked: &Checked, climbed: impl Fn(&Span) -> Option<f64>) -> Option<f64> {
+/// How many times the rise of the elevation a slope climbs.
+fn times_elevation(checked: &Checked, slope_rad: &[f64]) -> Option<f64> {
     let elevation_m = checked.values(Channel::Elevation)?;
     let (mut pairs, mut rise_m, mut climb_m, mut way_m) = (Vec::new(), 0.0, 0.0, 0.0);
     for span in spans(&checked.log) {
         let rise = elevation_m[*span.samples.end()] - elevation_m[*span.samples.start()];
-        let Some(climb) = climbed(&span).filter(|_| rise.is_finite()) else {
+        let slope_mean = span.mean(slope_rad).filter(|_| rise.is_finite());
+        let Some(climb) = slope_mean.map(|slope| slope * span.distance_m()) else {
             (rise_m, climb_m, way_m) = (0.0, 0.0, 0.0);
             continue;
         };

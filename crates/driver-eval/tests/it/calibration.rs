@@ -1,33 +1,11 @@
 //! Vehicles fitted to drives.
 
-use drive_log::{Channel, Drive, DriveLog, LayoutChoice, Preparation, prepare, read_file};
+use drive_log::{Channel, Drive, LayoutChoice, Preparation, prepare, read_file};
 use driver_eval::Error;
 use driver_eval::calibration::calibrate_vehicle;
-use driver_model::Motion;
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 use crate::shared::shared;
-
-const SAMPLES: usize = 3000;
-
-fn i3() -> Vehicle {
-    Vehicle::builtin("bmw-i3-60ah").unwrap()
-}
-
-fn motions(drives: &[&Drive]) -> Vec<Motion> {
-    let of_drive = |drive: &&Drive| Motion::of_drive(drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
-    drives.iter().flat_map(of_drive).collect()
-}
-
-/// A log of its own name at a constant speed, with other channels.
-fn steady(name: &str, speed_mps: f64, channels: &[(Channel, f64)]) -> Drive {
-    let all = channels
-        .iter()
-        .copied()
-        .chain([(Channel::Speed, speed_mps)]);
-    let all = all.map(|(channel, value)| (channel, vec![value; SAMPLES]));
-    Drive::from(DriveLog::new(name, 0.0, 0.1, all.collect()).unwrap())
-}
+use crate::support::{i3, motions, steady};
 
 #[test]
 fn an_error_about_one_of_many_drives_names_it() {

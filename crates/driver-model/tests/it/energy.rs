@@ -5,19 +5,9 @@ use std::collections::BTreeMap;
 use drive_log::{Channel, Drive, DriveLog};
 use driver_model::energy::{EnergyTotals, drive_energy};
 use driver_model::portrait::Portrait;
-use driver_model::{DriveBehaviour, Error, Motion, PhaseSettings, SlopeSource};
-use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
+use driver_model::{DriveBehaviour, Error, PhaseSettings, SlopeSource};
 
-const SAMPLES: usize = 3000;
-
-fn i3() -> Vehicle {
-    Vehicle::builtin("bmw-i3-60ah").unwrap()
-}
-
-fn motions(drives: &[&Drive]) -> Vec<Motion> {
-    let of_drive = |drive: &&Drive| Motion::of_drive(drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
-    drives.iter().flat_map(of_drive).collect()
-}
+use crate::support::{SAMPLES, i3, motions, steady};
 
 fn drive(channels: &[(Channel, f64)]) -> Drive {
     let speed = (0..SAMPLES).map(|i| (12.0 + 8.0 * (i as f64 * 0.01).sin()).max(0.0));
@@ -56,16 +46,6 @@ fn slope_comes_from_the_best_that_the_log_has() {
     let more_j = uphill.modelled.terminal_energy_j - level.modelled.terminal_energy_j;
     assert!((uphill.slope.energy_j - more_j).abs() < 1e-6 && more_j > 0.0);
     assert_eq!(level.slope.energy_j, 0.0);
-}
-
-/// A log of its own name at a constant speed, with other channels.
-fn steady(name: &str, speed_mps: f64, channels: &[(Channel, f64)]) -> Drive {
-    let all = channels
-        .iter()
-        .copied()
-        .chain([(Channel::Speed, speed_mps)]);
-    let all = all.map(|(channel, value)| (channel, vec![value; SAMPLES]));
-    Drive::from(DriveLog::new(name, 0.0, 0.1, all.collect()).unwrap())
 }
 
 #[test]

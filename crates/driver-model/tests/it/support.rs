@@ -3,14 +3,16 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use drive_log::{Channel, DriveLog};
+use drive_log::{Channel, Drive, DriveLog};
 use driver_model::{
     AccelPoint, DriveBehaviour, Motion, Phase, PhaseCurve, PhaseKind, PhaseSettings, Span,
     TrainingPhase, TrainingSet, phase_model,
 };
-use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
+use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 
 pub(crate) const STEP_S: f64 = 0.1;
+/// Of [`steady`] drives.
+pub(crate) const SAMPLES: usize = 3000;
 
 pub(crate) fn log_of(speed_mps: Vec<f64>) -> DriveLog {
     let channels = [(Channel::Speed, speed_mps)].into_iter().collect();
@@ -19,6 +21,25 @@ pub(crate) fn log_of(speed_mps: Vec<f64>) -> DriveLog {
 
 pub(crate) fn motion_of(log: &DriveLog) -> Motion {
     Motion::of_log(log, DEFAULT_SLOPE_BANDWIDTH_M).unwrap()
+}
+
+pub(crate) fn i3() -> Vehicle {
+    Vehicle::builtin("bmw-i3-60ah").unwrap()
+}
+
+pub(crate) fn motions(drives: &[&Drive]) -> Vec<Motion> {
+    let of_drive = |drive: &&Drive| Motion::of_drive(drive, DEFAULT_SLOPE_BANDWIDTH_M).unwrap();
+    drives.iter().flat_map(of_drive).collect()
+}
+
+/// A log of its own name at a constant speed, with other channels.
+pub(crate) fn steady(name: &str, speed_mps: f64, channels: &[(Channel, f64)]) -> Drive {
+    let all = channels
+        .iter()
+        .copied()
+        .chain([(Channel::Speed, speed_mps)]);
+    let all = all.map(|(channel, value)| (channel, vec![value; SAMPLES]));
+    Drive::from(DriveLog::new(name, 0.0, 0.1, all.collect()).unwrap())
 }
 
 /// Samples `start..` of a log as a phase.

@@ -15,10 +15,10 @@ fn settings() -> unicycle_cbf::ControllerSettings {
         .controller
 }
 
-/// Two robots that go round a circle for a minute, seen every so often.
-fn round(every_s: f64, radians: f64, second_from_s: f64) -> Shadow {
+/// Two robots that go round a circle, seen every so often.
+fn round(duration_s: f64, every_s: f64, radians: f64, second_from_s: f64) -> Shadow {
     let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
-    for i in 0..(60.0 / every_s) as u32 {
+    for i in 0..(duration_s / every_s) as u32 {
         let time_s = f64::from(i) * every_s;
         for (robot, ahead) in [("a", 0.8), ("b", 0.0)] {
             if robot == "b" && time_s < second_from_s {
@@ -54,7 +54,7 @@ fn robots_of_which_little_was_recorded_are_not_called_safe() {
     ] {
         let Shadow {
             summary, doubts, ..
-        } = round(every_s, radians, second_from_s);
+        } = round(60.0, every_s, radians, second_from_s);
         let expected = doubt.map_or(Verdict::Safe, |_| Verdict::NotKnown);
         assert_eq!(summary.verdict, expected, "{every_s} {radians} {doubts:?}");
         let found = doubt.is_none_or(|doubt| doubts.iter().any(|text| text.contains(doubt)));
@@ -72,30 +72,11 @@ fn a_lane_that_nobody_gave_makes_nobody_unsafe() {
     ] {
         let Shadow {
             summary, doubts, ..
-        } = round_for(seconds);
+        } = round(seconds, 0.05, 1.0, 0.0);
         assert_eq!(summary.verdict, verdict, "{seconds} s: {doubts:?}");
         let said = doubts.iter().any(|text| text.contains("no lane was given"));
         assert_eq!(said, verdict == Verdict::NotKnown, "{doubts:?}");
     }
-}
-
-fn round_for(seconds: f64) -> Shadow {
-    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
-    for i in 0..(20.0 * seconds) as u32 {
-        let time_s = 0.05 * f64::from(i);
-        for (robot, ahead) in [("a", 1.2), ("b", 0.0)] {
-            let angle = 0.2 * time_s + ahead;
-            let heading = angle + std::f64::consts::FRAC_PI_2;
-            let (sin, cos) = angle.sin_cos();
-            text += &format!("{time_s},{robot},{cos},{sin},{heading}\n");
-        }
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("poses.csv");
-    std::fs::write(&file, text).unwrap();
-    let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
-    let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
-    shadow(&Scenario::new(spec).unwrap(), &recording, Lane::Laid).unwrap()
 }
 
 /// Two robots that go round a circle, with a gap in the poses of the second.
