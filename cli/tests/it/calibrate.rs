@@ -34,7 +34,7 @@ fn a_wrong_vehicle_is_put_right() {
     assert_eq!(mass["key"], "mass_kg");
     assert_eq!(mass["start"], 1700.0);
     let mass_kg = mass["value"].as_f64().unwrap();
-    assert!((mass_kg - 1928.0).abs() < 60.0, "{mass}");
+    assert!((mass_kg - 1928.0).abs() < 5.0, "{mass}");
     let parameters = document["parameters"].as_array().unwrap().len();
     let matrix = document["correlation"]["matrix"].as_array().unwrap();
     assert_eq!(matrix.len(), parameters);
