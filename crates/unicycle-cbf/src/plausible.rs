@@ -9,6 +9,8 @@ use crate::unicycle::Body;
 
 /// Most of a robot's lengths, in m.
 const LENGTH_M: f64 = 2.0;
+/// Distance of the wheels that a robot may have, in m.
+const WHEEL_BASE_M: [f64; 2] = [0.001, LENGTH_M];
 /// Most of half a lane's width, in m.
 const HALF_WIDTH_M: f64 = 10.0;
 /// Most of speeds, in m/s, and of acceleration, in m/s².
@@ -106,6 +108,12 @@ impl Body {
         for (name, value_m) in lengths {
             at_most(name, value_m, LENGTH_M, LENGTHS)?;
         }
+        within(
+            "body.wheel_base_m",
+            self.wheel_base_m,
+            WHEEL_BASE_M,
+            LENGTHS,
+        )?;
         let speed_mps = self.max_wheel_speed_mps;
         at_most("body.max_wheel_speed_mps", speed_mps, SPEED_MPS, SPEEDS)?;
         at_most(
