@@ -66,26 +66,6 @@ fn a_preset_makes_of_a_file_what_it_makes_of_a_built_in_scenario() {
 }
 
 #[test]
-fn a_file_without_guards_is_hardened_by_the_preset() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let thesis = write(folder, "thesis.toml", &[]);
-    let hardened = write(folder, "hardened.toml", &["--preset", "hardened"]);
-    let mut document: toml::Table = thesis.parse().unwrap();
-    document["scenario"]["controller"]
-        .as_table_mut()
-        .unwrap()
-        .remove("hardening")
-        .unwrap();
-    let without = toml::to_string(&document).unwrap();
-    std::fs::write(folder.join("without.toml"), without).unwrap();
-    let file = ["--scenario", "without.toml"];
-    assert_eq!(write(folder, "shown.toml", &file), thesis);
-    let preset = [&file[..], &["--preset", "hardened"]].concat();
-    assert_eq!(write(folder, "shown.toml", &preset), hardened);
-}
-
-#[test]
 fn what_a_file_states_of_its_world_survives_hardening() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -22,13 +22,8 @@ pub struct ControllerSettings {
     pub headway: HeadwaySettings,
     /// The lane
     pub lane: LaneSettings,
-    /// What keeps the guarantee where poses are sampled, late, lost or wrong; nothing does where it is left out
-    #[serde(default = "unhardened")]
+    /// What keeps the guarantee where poses are sampled, late, lost or wrong
     pub hardening: Hardening,
-}
-
-fn unhardened() -> Hardening {
-    Hardening::NONE
 }
 
 /// `h = D − D0 − τ v`
