@@ -45,6 +45,10 @@ fn numbers_out_of_range_are_named() {
             refusal(|s| s.body.mass_kg = 0.0),
             "`mass_kg` is 0; it must be positive",
         ),
+        (
+            refusal(|s| s.body.wheel_base_m = 1e-300),
+            "`body.wheel_base_m` is 0.0000",
+        ),
         (refusal(|s| s.controller.weights[4] = 0.0), "`weights` is 0"),
         (
             refusal(|s| s.controller.headway.time_s = -1.0),
