@@ -66,6 +66,29 @@ fn a_preset_makes_of_a_file_what_it_makes_of_a_built_in_scenario() {
 }
 
 #[test]
+fn a_file_without_guards_says_so_and_is_hardened_by_the_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let thesis = write(folder, "thesis.toml", &[]);
+    let hardened = write(folder, "hardened.toml", &["--preset", "hardened"]);
+    let mut document: toml::Table = thesis.parse().unwrap();
+    let controller = document["scenario"]["controller"].as_table_mut().unwrap();
+    controller.remove("hardening").unwrap();
+    let without = toml::to_string(&document).unwrap();
+    std::fs::write(folder.join("without.toml"), without).unwrap();
+    let file = ["--scenario", "without.toml"];
+    let shown = write(folder, "shown.toml", &file);
+    assert_eq!(shown, thesis.replace("every_robot = false\n", ""));
+    let preset = [&file[..], &["--preset", "hardened"]].concat();
+    assert_eq!(write(folder, "shown.toml", &preset), hardened);
+    let note = "guards are not given; none is taken";
+    for (arguments, is_noted) in [(&file[..], true), (&preset, false)] {
+        let run = [&["ctrl", "run", "--duration", "1"], arguments].concat();
+        assert_eq!(drivekit_in(folder, &run).stderr.contains(note), is_noted);
+    }
+}
+
+#[test]
 fn what_a_file_states_of_its_world_survives_hardening() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -99,6 +99,12 @@ pub enum FindingKind {
     Noise,
     /// Discharge recorded as negative current.
     CurrentSign,
+    /// A current that is too large, or too small, by the same all along.
+    CurrentOffset,
+    /// Values at the end of the range of their sensor.
+    Clipped,
+    /// A straight line where nothing was measured.
+    Filled,
     /// Too short to be a drive.
     TooShort,
     /// The file ends in the middle of a row.
@@ -178,6 +184,9 @@ impl fmt::Display for FindingKind {
             FindingKind::Quantised => "quantised",
             FindingKind::Noise => "noise",
             FindingKind::CurrentSign => "current sign",
+            FindingKind::CurrentOffset => "current offset",
+            FindingKind::Clipped => "clipped",
+            FindingKind::Filled => "filled",
             FindingKind::TooShort => "too short",
             FindingKind::CutOff => "cut off",
             FindingKind::Unit => "unit",

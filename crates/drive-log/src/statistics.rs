@@ -84,3 +84,19 @@ pub(crate) fn median_step_s(time_s: &[f64]) -> f64 {
     // without the rounding of the difference of two times
     (step_s * 1e9).round() / 1e9
 }
+
+/// Standard deviation of a normal distribution over the median of its magnitude.
+const DEVIATION_PER_MEDIAN: f64 = 1.4826;
+
+/// Standard deviation of values around 0, from the median of their magnitudes, which outliers do not move; 0 without values.
+pub(crate) fn deviation(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    DEVIATION_PER_MEDIAN * quantile(&mut sizes, 0.5).unwrap_or(0.0)
+}
+
+/// How far a point `(time, value)` is off the line from one before to one after it, scaled to the deviation of the noise of one value.
+pub(crate) fn off_line(before: (f64, f64), here: (f64, f64), after: (f64, f64)) -> f64 {
+    let share = (here.0 - before.0) / (after.0 - before.0);
+    let off = here.1 - (before.1 + share * (after.1 - before.1));
+    off / (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt()
+}

@@ -18,6 +18,8 @@ pub enum Adaptation {
         /// In its place, in m/s²
         taken_mps2: f64,
     },
+    /// Nothing is said of guards
+    Unguarded,
     /// A robot starts outside its lane
     StartsOutside {
         /// The largest start beside the path, in m
@@ -130,7 +132,9 @@ fn taken(spec: &ScenarioSpec) -> impl Iterator<Item = Adaptation> {
     let acceleration = acceleration.then(|| Adaptation::WheelAcceleration {
         taken_mps2: body.wheel_acceleration_mps2(),
     });
-    radius.into_iter().chain(acceleration)
+    let unguarded = spec.controller.hardening.is_left_out();
+    let unguarded = unguarded.then_some(Adaptation::Unguarded);
+    radius.into_iter().chain(acceleration).chain(unguarded)
 }
 
 fn starts_outside(demands: &Demands) -> Option<Adaptation> {
@@ -222,6 +226,10 @@ impl Display for Adaptation {
             Self::WheelAcceleration { taken_mps2 } => write!(
                 out,
                 "how fast wheels change their speed is not given; {taken_mps2:.1} m/s² is taken (`max_wheel_acceleration_mps2` under [scenario.body])"
+            ),
+            Self::Unguarded => write!(
+                out,
+                "guards are not given; none is taken (`--preset hardened`, or [scenario.controller.hardening])"
             ),
             Self::StartsOutside {
                 start_m,

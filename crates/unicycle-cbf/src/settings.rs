@@ -22,7 +22,8 @@ pub struct ControllerSettings {
     pub headway: HeadwaySettings,
     /// The lane
     pub lane: LaneSettings,
-    /// What keeps the guarantee where poses are sampled, late, lost or wrong
+    /// What keeps the guarantee where poses are sampled, late, lost or wrong; nothing does where it is left out
+    #[serde(default = "Hardening::left_out")]
     pub hardening: Hardening,
 }
 
@@ -127,6 +128,20 @@ impl Hardening {
         max_course_angle_rad: None,
         start_at_desired_speed: true,
     };
+
+    /// What is taken where a file has no guards: none.
+    const fn left_out() -> Self {
+        Self {
+            every_robot: None,
+            ..Self::NONE
+        }
+    }
+
+    /// Whether nothing was said of any guard.
+    #[must_use]
+    pub fn is_left_out(&self) -> bool {
+        *self == Self::left_out()
+    }
 }
 
 /// A form that is wrong as printed.

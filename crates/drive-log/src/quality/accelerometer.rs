@@ -2,6 +2,7 @@
 
 use super::checked::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
+use super::pace;
 use crate::statistics::{correlation, mean, median_step_s, near, slope};
 use crate::{Action, Channel, FindingKind};
 
@@ -19,6 +20,9 @@ const LIVELY_MPS2: f64 = 0.3;
 /// else.
 const FOLLOWS: f64 = 0.7;
 const UNRELATED: f64 = 0.3;
+
+/// One that follows so closely is along the car.
+const FOLLOWS_CLOSELY: f64 = 0.85;
 
 /// Tolerance of a factor, on top of three standard errors: 33 trips of a BMW i3 have 0.95 to 1.06.
 const TOLERANCE: f64 = 0.15;
@@ -147,10 +151,24 @@ fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
         rescale(checked, factor.copysign(share), &figures);
         return true;
     }
-    drop(
-        checked,
-        &format!("{figures}: not along the car, or in another unit"),
-    )
+    if r < FOLLOWS_CLOSELY {
+        return drop(
+            checked,
+            &format!("{figures}: not along the car, or in another unit"),
+        );
+    }
+    match pace::by_battery(checked, share) {
+        Some(why) => pace::refuse(checked, &format!("{figures}; {why}")),
+        None => {
+            return drop(
+                checked,
+                &format!(
+                    "{figures}: in another unit, or the times or speeds are off by that factor; check them"
+                ),
+            );
+        }
+    }
+    true
 }
 
 /// `false`: the channel is not there any more.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::checked::Checked;
-use crate::statistics::quantile;
+use crate::statistics::{deviation, off_line};
 use crate::{Action, Channel, FindingKind};
 
 /// Acceleration that tyres cannot transmit, m/s², and what a coarse sensor may add in one step,
@@ -43,9 +43,6 @@ const OUTLIER_DEVIATIONS: f64 = 5.0;
 /// Time from one fix to the next, s, and the longest from one to the next but one.
 const FIX_S: f64 = 0.999;
 const LONGEST_LINE_S: f64 = 10.0;
-
-/// Standard deviation of a normal distribution over the median of its magnitude.
-const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
 /// Longest stretch that counts as an outlier of altitude, s: longer, it may be a hill.
 const ALTITUDE_BLOCK_S: f64 = 60.0;
@@ -150,10 +147,10 @@ pub(super) fn cut_state_of_charge(checked: &mut Checked) {
     }
 }
 
-/// Removes stretches of elevation that a jump enters and a jump leaves; reports large jumps that
-/// are not undone.
+/// Removes stretches of elevation that a jump enters and a jump leaves; takes large jumps that are not undone
+/// off what follows.
 pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
-    let Some(elevation_m) = checked.values(Channel::Elevation).map(<[f64]>::to_vec) else {
+    let Some(mut elevation_m) = checked.values(Channel::Elevation).map(<[f64]>::to_vec) else {
         return;
     };
     let scatter_m = scatter_m(&elevation_m);
@@ -185,14 +182,9 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
                     remove_block(checked, i..end, detail);
                     i = end;
                 } else if jump_m > block_m {
-                    let range = i - 1..i + 1;
-                    checked.report(
-                        FindingKind::AltitudeOutlier,
-                        Channel::Elevation,
-                        &range,
-                        Action::Kept,
-                        detail,
-                    );
+                    let step_m = elevation_m[i] - elevation_m[p];
+                    elevation_m[i..].iter_mut().for_each(|z| *z -= step_m);
+                    shift_rest(checked, i, step_m, detail);
                 }
             }
         }
@@ -203,32 +195,23 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
 
 /// Standard deviation of the difference of two elevations that follow each other, as noise makes it, m.
 fn scatter_m(elevation_m: &[f64]) -> f64 {
-    let steps_m = elevation_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let mut steps_m: Vec<f64> = steps_m.filter(|step_m| step_m.is_finite()).collect();
-    DEVIATION_PER_MEDIAN * quantile(&mut steps_m, 0.5).unwrap_or(0.0)
+    let steps_m = elevation_m.windows(2).map(|pair| pair[1] - pair[0]);
+    deviation(steps_m.filter(|step_m| step_m.is_finite()))
 }
 
 /// Standard deviation of elevations, m, from how far each is off the line through those a second before and after: between two
 /// fixes, elevations scatter less than the fixes.
-fn noise_m(time_s: &[f64], elevation_m: &[f64]) -> f64 {
+pub(super) fn noise_m(time_s: &[f64], elevation_m: &[f64]) -> f64 {
     let points = time_s.iter().copied().zip(elevation_m.iter().copied());
     let points: Vec<(f64, f64)> = points.filter(|(_, h)| h.is_finite()).collect();
     let off_m = points.iter().filter_map(|&here| {
         let after = points.partition_point(|point| point.0 < here.0 + FIX_S);
         let before = points.partition_point(|point| point.0 <= here.0 - FIX_S);
-        off_line_m(points[before.checked_sub(1)?], here, *points.get(after)?)
+        let (before, after) = (points[before.checked_sub(1)?], *points.get(after)?);
+        // farther apart, noise is not told from a hill
+        (after.0 - before.0 <= LONGEST_LINE_S).then(|| off_line(before, here, after))
     });
-    DEVIATION_PER_MEDIAN * quantile(&mut off_m.collect::<Vec<f64>>(), 0.5).unwrap_or(0.0)
-}
-
-/// How far a point is off the line from one before to one after it, for noise of the same deviation, m; `None` where they are too
-/// far apart to tell it from a hill.
-fn off_line_m(before: (f64, f64), here: (f64, f64), after: (f64, f64)) -> Option<f64> {
-    let span_s = after.0 - before.0;
-    let share = (here.0 - before.0) / span_s;
-    let off_m = here.1 - (before.1 + share * (after.1 - before.1));
-    let scale = (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt();
-    (span_s <= LONGEST_LINE_S).then(|| (off_m / scale).abs())
+    deviation(off_m)
 }
 
 fn report_noise(checked: &mut Checked, elevation_m: &[f64]) {
@@ -245,6 +228,20 @@ fn report_noise(checked: &mut Checked, elevation_m: &[f64]) {
             detail,
         );
     }
+}
+
+/// Joins what follows a jump that no road makes: slopes are right on either side.
+fn shift_rest(checked: &mut Checked, at: usize, step_m: f64, detail: String) {
+    if let Some(values) = checked.log.channels.get_mut(&Channel::Elevation) {
+        values[at..].iter_mut().for_each(|z| *z -= step_m);
+    }
+    checked.report(
+        FindingKind::AltitudeOutlier,
+        Channel::Elevation,
+        &(at - 1..at + 1),
+        Action::Shifted,
+        format!("{detail} for good; {step_m:.1} m taken off what follows"),
+    );
 }
 
 fn remove_block(checked: &mut Checked, block: Range<usize>, detail: String) {

@@ -4,11 +4,16 @@
 //! where it is used.
 
 mod accelerometer;
+mod battery;
+mod charge;
 mod checked;
+mod clipped;
 mod code;
 mod distance;
 mod dropout;
+mod elevation;
 mod exchanged;
+mod filled;
 mod frozen;
 mod heating;
 mod held;
@@ -17,10 +22,13 @@ mod jump;
 mod lattice;
 mod limit_unit;
 mod motion;
+mod noise;
+mod pace;
 mod power;
 mod quantised;
 mod radar;
 mod range;
+mod road;
 mod row_number;
 mod runs;
 mod sentinel;
@@ -31,6 +39,7 @@ mod speed_unit;
 pub(crate) mod time;
 mod time_unit;
 mod unit_change;
+mod whittaker;
 
 pub use checked::Checked;
 use quantised::Rounding;
@@ -90,6 +99,8 @@ pub fn check(log: RawLog) -> Checked {
     exchanged::put_right(&mut checked);
     range::remove(&mut checked, |c| !c.is_motion() && *c != Channel::Slope);
     code::remove(&mut checked);
+    battery::unwrap_current(&mut checked);
+    battery::remove_dead_voltage(&mut checked);
     let interval_s = held::speed_interval_s(&checked);
     dropout::remove_speed(&mut checked, interval_s);
     sentinel::remove_speed(&mut checked, interval_s);
@@ -100,22 +111,31 @@ pub fn check(log: RawLog) -> Checked {
     unit_change::convert(&mut checked);
     limit_unit::convert(&mut checked);
     speed_unit::convert(&mut checked);
-    slope::judge(&mut checked);
+    slope::drop_steep(&mut checked);
     range::remove(&mut checked, |c| c.is_motion() || *c == Channel::Slope);
     dropout::remove_speed(&mut checked, 0.0);
+    clipped::remove(&mut checked);
+    frozen::remove_speed(&mut checked);
+    filled::remove(&mut checked);
+    jump::cut_speed(&mut checked);
+    let scattered = noise::smooth_speed(&mut checked);
     radar::mend(&mut checked);
     sentinel::remove_limits(&mut checked);
     accelerometer::mend(&mut checked);
-    frozen::remove_speed(&mut checked);
     frozen::remove_elevation(&mut checked);
-    jump::cut_speed(&mut checked);
-    jump::cut_state_of_charge(&mut checked);
     jump::remove_altitude_outliers(&mut checked);
+    slope::judge(&mut checked);
+    elevation::judge(&mut checked);
+    battery::remove_still(&mut checked);
+    charge::judge_offset(&mut checked);
+    jump::cut_state_of_charge(&mut checked);
     heating::remove_sentinel(&mut checked);
     heating::drop_pinned(&mut checked);
     heating::drop_contradicted(&mut checked);
     heating::take_request(&mut checked);
-    quantised::smooth_speed(&mut checked);
+    if !scattered {
+        quantised::smooth_speed(&mut checked);
+    }
     let log = &mut checked.log;
     log.channels.retain(|channel, values| {
         // the way driven was a witness

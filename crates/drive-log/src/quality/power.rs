@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::motion::Span;
+use super::motion::{GRAVITY_MPS2, Span};
 use crate::{Channel, RawLog};
 
 /// Seconds without braking that tell a car.
@@ -86,6 +86,14 @@ pub(super) fn loads(log: &RawLog, spans: &[Span]) -> Vec<Load> {
 }
 
 impl Load {
+    /// The same, if the speed changes so many times as fast.
+    pub(super) fn at_pace(&self, times: f64) -> Self {
+        Self {
+            accel_mps2: times * self.accel_mps2,
+            ..self.clone()
+        }
+    }
+
     /// Fits `P = P₀ + m v (dv/dt + 0.1) + ½ ρ A v³` where the car does not brake, the speeds being
     /// `k` times too large. `None` where the seconds do not tell.
     pub(super) fn fit(loads: &[Self], k: f64) -> Option<Car> {
@@ -99,10 +107,7 @@ impl Load {
             return None;
         }
         let inverse = inverse(&normal(&rows))?;
-        let right = rows.iter().fold([0.0; 3], |sum, (x, p)| {
-            std::array::from_fn(|i| sum[i] + x[i] * p)
-        });
-        let fitted: [f64; 3] = std::array::from_fn(|i| dot(&inverse[i], &right));
+        let fitted = fitted(&inverse, &rows);
         let n = rows.len() as f64;
         let mean_w = rows.iter().map(|(_, p)| p).sum::<f64>() / n;
         let total: f64 = rows.iter().map(|(_, p)| (p - mean_w).powi(2)).sum();
@@ -123,6 +128,50 @@ impl Load {
         };
         (car.mass_kg > ERRORS * car.mass_error_kg).then_some(car)
     }
+}
+
+/// How many times the climb of gradients, each of a span, the battery feels, and its standard error: the rest of the power is
+/// fitted as in [`Load::fit`]. `None` where road and seconds do not tell.
+pub(super) fn felt_climb(log: &RawLog, spans: &[Span], gradients: &[f64]) -> Option<(f64, f64)> {
+    let rows: Vec<([f64; 3], f64, f64)> = spans
+        .iter()
+        .zip(gradients)
+        .filter(|(span, gradient)| span.accel_mps2 > NOT_BRAKING_MPS2 && gradient.is_finite())
+        .filter_map(|(span, gradient)| {
+            let (v, a) = (span.speed_mps, span.accel_mps2);
+            let x = [1.0, v * (a + ROLLING_MPS2), v * v * v];
+            Some((x, GRAVITY_MPS2 * v * gradient, span.battery(log)?))
+        })
+        .filter(|(_, _, power_w)| power_w.is_finite())
+        .collect();
+    if rows.len() < SECONDS || log.channel(Channel::BatteryVoltage).is_none() {
+        return None;
+    }
+    let rows_of = |y: fn(&([f64; 3], f64, f64)) -> f64| -> Vec<([f64; 3], f64)> {
+        rows.iter().map(|row| (row.0, y(row))).collect()
+    };
+    let (climbs, powers) = (rows_of(|row| row.1), rows_of(|row| row.2));
+    let inverse = inverse(&normal(&climbs))?;
+    let (of_climb, of_power) = (fitted(&inverse, &climbs), fitted(&inverse, &powers));
+    // what is left of climb and power once the rest is fitted
+    let left = climbs
+        .iter()
+        .zip(&powers)
+        .map(|((x, climb), (_, power_w))| (climb - dot(x, &of_climb), power_w - dot(x, &of_power)));
+    let left: Vec<(f64, f64)> = left.collect();
+    let square: f64 = left.iter().map(|(climb, _)| climb * climb).sum();
+    let mass_kg = left
+        .iter()
+        .map(|(climb, power_w)| climb * power_w)
+        .sum::<f64>()
+        / square;
+    let inertia_kg = of_power[1] - mass_kg * of_climb[1];
+    let rest: f64 = left
+        .iter()
+        .map(|(climb, power_w)| (power_w - mass_kg * climb).powi(2))
+        .sum();
+    let error_kg = (rest / rows.len() as f64 / square).sqrt();
+    (inertia_kg > 0.0).then_some((mass_kg / inertia_kg, error_kg / inertia_kg))
 }
 
 impl Car {
@@ -173,6 +222,14 @@ impl fmt::Display for Car {
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The coefficients of least squares.
+fn fitted(inverse: &[[f64; 3]; 3], rows: &[([f64; 3], f64)]) -> [f64; 3] {
+    let right = rows.iter().fold([0.0; 3], |sum, (x, y)| {
+        std::array::from_fn(|i| sum[i] + x[i] * y)
+    });
+    std::array::from_fn(|i| dot(&inverse[i], &right))
 }
 
 fn normal(rows: &[([f64; 3], f64)]) -> [[f64; 3]; 3] {

@@ -9,8 +9,9 @@ use crate::{Action, Channel, FindingKind};
 pub(super) use witnesses::limit_share;
 use witnesses::{Objection, Witness, Witnesses};
 
-/// Beyond this not even racing cars come, m/s.
+/// Beyond this not even racing cars come, m/s; nor tyres, for a hundredth of the time, m/s².
 const RACING_MPS: f64 = 100.0;
+const TYRES_MPS2: f64 = 8.0;
 
 /// In usual factors: how far off the ordinary a drive may be in the likeliest unit, and how much farther it must be in the next one.
 const ORDINARY: f64 = 2.0;
@@ -36,7 +37,7 @@ pub(super) fn convert(checked: &mut Checked) {
         let objections = witnesses.objections(1.0);
         if objections.is_empty() {
             let likely = likely(&witnesses, &witnesses.possible());
-            report_odd(checked, &witnesses.odd(), likely);
+            report_odd(checked, &witnesses, likely);
             return report_no_car(checked, &witnesses);
         }
         if witnesses.is_a_jam(&objections) {
@@ -92,10 +93,16 @@ fn likely(witnesses: &Witnesses, possible: &[Mistake]) -> Option<Mistake> {
     }
 }
 
-/// Reports a speed that two figures make unlikely, where another unit makes the drive ordinary.
-fn report_odd(checked: &mut Checked, odd: &[String], likely: Option<Mistake>) {
-    if let Some(unit) = likely.filter(|_| odd.len() > 1) {
-        let detail = format!("{}: {}", odd.join("; "), asked(&[unit]));
+/// Reports a speed that two figures, or very slow starts, make unlikely, where another unit makes the drive ordinary.
+fn report_odd(checked: &mut Checked, witnesses: &Witnesses, likely: Option<Mistake>) {
+    let odd = witnesses.odd();
+    let mut units: Vec<Mistake> = likely.into_iter().collect();
+    if units.is_empty() && witnesses.is_sluggish() {
+        units = witnesses.possible();
+        units.retain(|unit| witnesses.oddity(unit.0) <= CLEARLY);
+    }
+    if !units.is_empty() && (odd.len() > 1 || witnesses.is_sluggish()) {
+        let detail = format!("{}: {}", odd.join("; "), asked(&units));
         report(checked, Action::Kept, detail);
     }
 }
@@ -145,7 +152,10 @@ fn decide(checked: &mut Checked, witnesses: &Witnesses, objections: &[Objection]
     match likely(witnesses, &possible) {
         Some(unit) if measured || by_limit => rescale(checked, &why, unit),
         _ => {
-            let is_impossible = measured || motion > 1 || witnesses.top_mps > RACING_MPS;
+            let is_impossible = measured
+                || motion > 1
+                || witnesses.top_mps > RACING_MPS
+                || witnesses.pull_mps2 > TYRES_MPS2;
             let action = if is_impossible {
                 Action::Refused
             } else {
@@ -160,7 +170,7 @@ fn decide(checked: &mut Checked, witnesses: &Witnesses, objections: &[Objection]
 fn asked(possible: &[Mistake]) -> String {
     let units: Vec<&str> = possible.iter().map(|(_, unit)| *unit).collect();
     if units.is_empty() {
-        return "check the unit of the speed".to_owned();
+        return "check the units of speed and time".to_owned();
     }
     format!(
         "perhaps {}; name the unit in the header or a layout",

@@ -23,6 +23,7 @@ mod quality;
 mod real_data;
 mod resample;
 mod roundtrip;
+mod sensors;
 #[path = "../../../../fixtures/shared.rs"]
 mod shared;
 mod shared_cases;

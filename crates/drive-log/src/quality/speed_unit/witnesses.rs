@@ -27,8 +27,11 @@ const JAM_SHARE: f64 = 0.36;
 const PULL_MPS2: Usual = Usual(1.8, 0.35);
 const SHARE: Usual = Usual(1.0, 0.25);
 
-/// From where on a figure is odd, in usual factors.
+/// From where on a figure is odd, in usual factors; and where a drive that starts is so sluggish that this alone is odd: below 0.63
+/// m/s² for a hundredth of the time.
 const ODD: f64 = 1.8;
+const SLUGGISH: f64 = 3.0;
+const STANDSTILL_MPS: f64 = 0.05;
 
 /// From where on a car is odd, and up to where it is ordinary; a unit that is rare.
 const ODD_CAR: f64 = 2.5;
@@ -44,8 +47,9 @@ const TOLERANCE: f64 = 0.08;
 #[derive(Clone)]
 pub(super) struct Witnesses {
     pub(super) top_mps: f64,
-    pull_mps2: f64,
+    pub(super) pull_mps2: f64,
     pull_w_per_kg: f64,
+    starts: bool,
     limit_share: Option<f64>,
     ratios: Vec<Ratio>,
     loads: Vec<Load>,
@@ -97,6 +101,7 @@ impl Witnesses {
             top_mps: high(|span| span.speed_mps)?,
             pull_mps2: high(|span| span.accel_mps2)?,
             pull_w_per_kg: high(Span::inertia)?,
+            starts: log.speed_mps().iter().any(|v| v.abs() < STANDSTILL_MPS),
             limit_share: limit_share(log, &spans),
             ratios: ratios.filter(Ratio::is_known).collect(),
             loads: loads(log, &spans),
@@ -200,6 +205,11 @@ impl Witnesses {
             .filter(|(off, _)| off.abs() >= ODD)
             .map(|(_, text)| text)
             .collect()
+    }
+
+    /// Whether a drive that starts gathers speed as slowly as no ordinary one.
+    pub(super) fn is_sluggish(&self) -> bool {
+        self.starts && PULL_MPS2.off(self.pull_mps2) <= -SLUGGISH
     }
 
     /// How far each figure is off an ordinary drive if the speed is `k` times too large, in usual

@@ -1,0 +1,233 @@
+//! Volts and amps that stop, wrap around or end at the range of their sensor.
+
+use std::ops::Range;
+
+use super::checked::Checked;
+use super::runs::constant_runs;
+use crate::statistics::{deviation, quantile};
+use crate::{Action, Channel, FindingKind};
+
+/// A car this fast moves, m/s.
+const MOVING_MPS: f64 = 1.0;
+
+/// While the speed rises by so much, m/s, the current does not stay the same for so long, s: 0.1 s at most in 33 trips of a BMW
+/// i3. A voltage does not while the current changes by so much, A: 3.2 s there, and 6 A.
+const SPEED_RISE_MPS: f64 = 1.0;
+const CURRENT_S: f64 = 3.0;
+const VOLTAGE_S: f64 = 10.0;
+const CURRENT_CHANGE_A: f64 = 30.0;
+
+/// A channel is lively where under this share of the samples in motion repeats the one before, those of the stretch apart.
+const LIVELY_SHARE: f64 = 0.5;
+const LIVELY_SAMPLES: usize = 100;
+
+/// No battery in motion has less than this share of its median voltage.
+const DEAD_SHARE: f64 = 0.1;
+
+/// Counters of 16 bits at usual resolutions wrap around after so many amperes.
+const WRAPS_A: [f64; 6] = [65.536, 655.36, 1310.72, 1638.4, 3276.8, 6553.6];
+
+/// A jump is one of a turn within this share of it; how many there must be, and how many others over a share of a turn for each of
+/// them.
+const JUMP_OFF: f64 = 0.3;
+const WRAPS: usize = 4;
+const OTHER_JUMPS: f64 = 0.35;
+const OTHERS: f64 = 0.1;
+
+/// Takes the turns off a current whose counter wraps around.
+pub(super) fn unwrap_current(checked: &mut Checked) {
+    let Some(current_a) = checked.values(Channel::BatteryCurrent) else {
+        return;
+    };
+    let mut turns = WRAPS_A
+        .into_iter()
+        .filter_map(|wrap_a| Some((wrap_a, unwrapped(current_a, wrap_a)?)));
+    let Some((wrap_a, (jumps, unwrapped_a))) = turns.next() else {
+        return;
+    };
+    let detail = format!(
+        "{jumps} jumps by about {wrap_a} A, forth and back: a counter of 16 bit wraps around; turned back"
+    );
+    checked
+        .log
+        .channels
+        .insert(Channel::BatteryCurrent, unwrapped_a);
+    checked.report_all(
+        FindingKind::CurrentSign,
+        Channel::BatteryCurrent,
+        Action::Converted,
+        detail,
+    );
+}
+
+/// How often a current turns, and what it is without the turns, if its counter wraps around after `wrap_a`: large jumps are by about that
+/// much, and alternate.
+fn unwrapped(current_a: &[f64], wrap_a: f64) -> Option<(usize, Vec<f64>)> {
+    let (mut jumps, mut others) = (0_usize, 0_usize);
+    let (mut last_a, mut turns) = (f64::NAN, 0.0);
+    let mut turned = Vec::with_capacity(current_a.len());
+    for &a in current_a {
+        let jump = (a - last_a) / wrap_a;
+        if (1.0 - JUMP_OFF..1.0 + JUMP_OFF).contains(&jump.abs()) {
+            jumps += 1;
+            turns -= jump.signum();
+        } else if jump.abs() > OTHER_JUMPS {
+            others += 1;
+        }
+        if a.is_finite() {
+            last_a = a;
+        }
+        turned.push(turns);
+    }
+    let (least, most) = turned
+        .iter()
+        .fold((0.0_f64, 0.0_f64), |(least, most), turns| {
+            (least.min(*turns), most.max(*turns))
+        });
+    if jumps < WRAPS || others as f64 > OTHERS * jumps as f64 || most - least > 1.0 {
+        return None;
+    }
+    // whether the first sample was turned is told by the size of the rest
+    let without = |first: f64| -> Vec<f64> {
+        let pairs = current_a.iter().zip(&turned);
+        pairs
+            .map(|(a, turns)| a + (turns + first) * wrap_a)
+            .collect()
+    };
+    let size = |a: &Vec<f64>| deviation(a.iter().copied().filter(|a| a.is_finite()));
+    let smallest = [0.0, 1.0, -1.0]
+        .map(without)
+        .into_iter()
+        .min_by(|a, b| size(a).total_cmp(&size(b)))?;
+    Some((jumps, smallest))
+}
+
+/// Removes volts of nothing while the battery has some.
+pub(super) fn remove_dead_voltage(checked: &mut Checked) {
+    let Some(voltage_v) = checked.values(Channel::BatteryVoltage) else {
+        return;
+    };
+    let known = voltage_v.iter().copied().filter(|v| v.is_finite());
+    let Some(median_v) = quantile(&mut known.collect::<Vec<f64>>(), 0.5) else {
+        return;
+    };
+    let dead: Vec<usize> = (0..voltage_v.len())
+        .filter(|&i| voltage_v[i] < DEAD_SHARE * median_v)
+        .collect();
+    let (Some(&first), Some(&last)) = (dead.first(), dead.last()) else {
+        return;
+    };
+    let detail = format!(
+        "{} values below a tenth of the median, {median_v:.0} V: none measured",
+        dead.len()
+    );
+    checked.report(
+        FindingKind::Sentinel,
+        Channel::BatteryVoltage,
+        &(first..last + 1),
+        Action::Removed,
+        detail,
+    );
+    for i in dead {
+        checked.remove(Channel::BatteryVoltage, i..i + 1);
+    }
+}
+
+/// Removes a current that stays the same while the car accelerates, and a voltage while the current does.
+pub(super) fn remove_still(checked: &mut Checked) {
+    remove(
+        checked,
+        Channel::BatteryCurrent,
+        CURRENT_S,
+        |checked, run| rise(&checked.log.speed_mps()[run]) >= SPEED_RISE_MPS,
+    );
+    remove(
+        checked,
+        Channel::BatteryVoltage,
+        VOLTAGE_S,
+        |checked, run| {
+            checked
+                .values(Channel::BatteryCurrent)
+                .is_some_and(|current_a| range(&current_a[run]) >= CURRENT_CHANGE_A)
+        },
+    );
+}
+
+fn remove(
+    checked: &mut Checked,
+    channel: Channel,
+    least_s: f64,
+    changes: impl Fn(&Checked, Range<usize>) -> bool,
+) {
+    let Some(values) = checked.values(channel) else {
+        return;
+    };
+    let still: Vec<_> = constant_runs(values)
+        .filter(|run| checked.duration_s(run) >= least_s && changes(checked, run.clone()))
+        .collect();
+    if still.is_empty() || !is_lively(checked, values, &still, LIVELY_SHARE) {
+        return;
+    }
+    let (Some(first), Some(last)) = (still.first(), still.last()) else {
+        return;
+    };
+    let lengths_s = still.iter().map(|run| checked.duration_s(run));
+    let detail = format!(
+        "one value for up to {:.1} s in which the car changes its power; stretches: {}",
+        lengths_s.fold(0.0, f64::max),
+        still.len(),
+    );
+    let range = first.start..last.end;
+    checked.report(
+        FindingKind::Frozen,
+        channel,
+        &range,
+        Action::Removed,
+        detail,
+    );
+    for run in still {
+        checked.remove(channel, run);
+    }
+}
+
+/// The largest rise from a value in motion to a later one.
+fn rise(speed_mps: &[f64]) -> f64 {
+    let moving = speed_mps.iter().filter(|v| **v > MOVING_MPS);
+    let (_, rise_mps) = moving.fold((f64::INFINITY, 0.0_f64), |(low, rise), v| {
+        let low = low.min(*v);
+        (low, rise.max(v - low))
+    });
+    rise_mps
+}
+
+/// The largest value less the smallest.
+fn range(values: &[f64]) -> f64 {
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        });
+    high - low
+}
+
+/// Whether a channel repeats a value in motion in less than a share of its samples, some stretches apart.
+pub(super) fn is_lively(
+    checked: &Checked,
+    values: &[f64],
+    apart: &[Range<usize>],
+    share: f64,
+) -> bool {
+    let speed_mps = checked.log.speed_mps();
+    let moving = |i: &usize| speed_mps[*i].abs() > MOVING_MPS && values[*i].is_finite();
+    let mut apart = apart.iter().peekable();
+    let (mut known, mut repeated) = (0_usize, 0_usize);
+    for i in (1..values.len()).filter(moving) {
+        while apart.next_if(|run| run.end < i).is_some() {}
+        if apart.peek().is_some_and(|run| run.contains(&i)) {
+            continue;
+        }
+        known += 1;
+        repeated += usize::from(values[i].to_bits() == values[i - 1].to_bits());
+    }
+    known >= LIVELY_SAMPLES && (repeated as f64) < share * known as f64
+}

@@ -1,0 +1,84 @@
+//! Values at the end of a sensor's range.
+
+use std::ops::Range;
+
+use super::battery::is_lively;
+use super::checked::Checked;
+use super::runs::constant_runs;
+use crate::{Action, Channel, FindingKind};
+
+/// A measured extreme is reached for a moment: by three samples at most in 33 trips of a BMW i3. A plateau is one of at least so
+/// many seconds and samples together, in runs of so long and so many.
+const PLATEAU_S: f64 = 3.0;
+const SAMPLES: usize = 20;
+const RUN_S: f64 = 0.4;
+const RUN_SAMPLES: usize = 3;
+
+/// Share of the other samples in motion that may repeat the one before.
+const LIVELY_SHARE: f64 = 0.1;
+
+/// A standstill of the car, m/s, and the share of the samples there at which a current of 0 is one without auxiliaries.
+const STANDSTILL_MPS: f64 = 0.05;
+const SWITCHED_OFF: f64 = 0.5;
+
+/// Removes speeds and currents at the end of the range: what was there is not known.
+pub(super) fn remove(checked: &mut Checked) {
+    remove_at(checked, Channel::Speed, 1.0);
+    remove_at(checked, Channel::BatteryCurrent, 1.0);
+    remove_at(checked, Channel::BatteryCurrent, -1.0);
+}
+
+/// At the upper end for 1, at the lower for −1; not where all values are on the other side of 0.
+fn remove_at(checked: &mut Checked, channel: Channel, side: f64) {
+    let Some(values) = checked.values(channel) else {
+        return;
+    };
+    let end = side * values.iter().map(|v| side * v).fold(f64::NAN, f64::max);
+    let at_end: Vec<Range<usize>> = constant_runs(values)
+        .filter(|run| values[run.start].to_bits() == end.to_bits())
+        .collect();
+    let is_plateau =
+        |run: &&Range<usize>| run.len() >= RUN_SAMPLES && checked.duration_s(run) >= RUN_S;
+    let plateaus: Vec<Range<usize>> = at_end.iter().filter(is_plateau).cloned().collect();
+    let total_s: f64 = plateaus.iter().map(|run| checked.duration_s(run)).sum();
+    let samples: usize = plateaus.iter().map(Range::len).sum();
+    if total_s < PLATEAU_S
+        || side * end < 0.0
+        || samples < SAMPLES
+        || !is_lively(checked, values, &at_end, LIVELY_SHARE)
+        || end == 0.0 && is_usual_at_standstill(checked, channel)
+    {
+        return;
+    }
+    let (Some(first), Some(last)) = (plateaus.first(), plateaus.last()) else {
+        return;
+    };
+    let detail = format!(
+        "{} stretches of exactly {end:.3}, {total_s:.0} s in all, and none beyond: the end of the range",
+        plateaus.len()
+    );
+    let range = first.start..last.end;
+    checked.report(
+        FindingKind::Clipped,
+        channel,
+        &range,
+        Action::Removed,
+        detail,
+    );
+    for run in plateaus {
+        checked.remove(channel, run);
+    }
+}
+
+/// Whether the current is 0 while the car stands.
+fn is_usual_at_standstill(checked: &Checked, channel: Channel) -> bool {
+    let values = checked.values(channel).unwrap_or_default();
+    let standing = values
+        .iter()
+        .zip(checked.log.speed_mps())
+        .filter(|(value, v)| value.is_finite() && v.abs() < STANDSTILL_MPS);
+    let (zeros, all) = standing.fold((0_usize, 0_usize), |(zeros, all), (value, _)| {
+        (zeros + usize::from(*value == 0.0), all + 1)
+    });
+    zeros as f64 >= SWITCHED_OFF * all as f64
+}

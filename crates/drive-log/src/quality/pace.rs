@@ -1,0 +1,37 @@
+//! Times that run too fast or too slowly by a factor.
+
+use super::checked::Checked;
+use super::motion::{Span, spans};
+use super::power::{Load, loads};
+use super::time_unit::report;
+use crate::Action;
+
+/// A car this fast moves, m/s.
+const MOVING_MPS: f64 = 1.0;
+
+/// The battery says that times are wrong where the car is more ordinary without, by so many usual factors.
+const CLEARLY: f64 = 1.0;
+
+/// What says that the car changes its speed `times` as fast as the times say: with the battery power it is an ordinary car then,
+/// and is none as recorded.
+pub(super) fn by_battery(checked: &Checked, times: f64) -> Option<String> {
+    let spans: Vec<Span> = spans(&checked.log)
+        .into_iter()
+        .filter(|span| span.speed_mps > MOVING_MPS)
+        .collect();
+    let loads = loads(&checked.log, &spans);
+    let faster: Vec<Load> = loads.iter().map(|load| load.at_pace(times)).collect();
+    let (as_said, then) = (Load::fit(&loads, 1.0)?, Load::fit(&faster, 1.0)?);
+    (as_said.oddity() - then.oddity() >= CLEARLY).then(|| {
+        format!(
+            "speed and battery power are those of {as_said}, and of {then} if every second takes {:.2} s",
+            1.0 / times
+        )
+    })
+}
+
+/// Refuses the times.
+pub(super) fn refuse(checked: &mut Checked, why: &str) {
+    let detail = format!("{why}: check the times, and whether rows are missing");
+    report(checked, Action::Refused, detail);
+}

@@ -1,0 +1,379 @@
+//! Sensors that end, stop, drift or scatter, and rows that were drawn and not measured.
+
+use drive_log::{Action, Channel, FindingKind, RawLog, check};
+
+use crate::plausibility::{drive, only, times, without};
+use crate::quality::changed;
+use crate::raw;
+
+const WITNESSES: [Channel; 5] = [
+    Channel::SpeedLimit,
+    Channel::Accelerometer,
+    Channel::BatteryCurrent,
+    Channel::BatteryVoltage,
+    Channel::Elevation,
+];
+
+/// Noise of deviation 1, the same on every run.
+fn noise(i: usize) -> f64 {
+    let uniform = |salt: u64| {
+        let mut x = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ salt;
+        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (x ^ (x >> 31)) as f64 / u64::MAX as f64
+    };
+    (0..12).map(|salt| uniform(7919 * salt)).sum::<f64>() - 6.0
+}
+
+fn speed(log: &RawLog) -> &[f64] {
+    log.channel(Channel::Speed).unwrap()
+}
+
+fn with(log: &RawLog, channel: Channel, of: impl Fn(usize, f64) -> f64) -> RawLog {
+    changed(log, channel, |values| {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = of(i, *value);
+        }
+    })
+}
+
+/// The drive as a car records it: the last digits of the speed scatter, the voltage gives way to the current, a state of charge and
+/// the slope of the road.
+fn recorded() -> RawLog {
+    let log = drive(0.1);
+    let log = with(&log, Channel::Speed, |i, v| {
+        if v > 0.0 {
+            (v + 0.008 * noise(i)).max(0.0)
+        } else {
+            0.0
+        }
+    });
+    let current = log.channel(Channel::BatteryCurrent).unwrap().to_vec();
+    let current: Vec<f64> = (0..log.len())
+        .map(|i| current[i] + 0.3 * noise(i + 1_000_000))
+        .collect();
+    let voltage = current.iter().map(|a| 360.0 - 0.1 * a).collect();
+    let mut charge_as = 0.0;
+    let soc = current.iter().map(|a| {
+        charge_as += 0.1 * a;
+        80.0 - charge_as / (60.0 * 36.0)
+    });
+    let soc: Vec<f64> = soc.collect();
+    let (speed, elevation) = (speed(&log), log.channel(Channel::Elevation).unwrap());
+    let grade = |i: usize| {
+        let (from, to) = (i.saturating_sub(10), (i + 10).min(log.len() - 1));
+        let way_m: f64 = speed[from..to].iter().map(|v| 0.1 * v).sum();
+        if way_m > 1.0 {
+            ((elevation[to] - elevation[from]) / way_m).asin()
+        } else {
+            0.0
+        }
+    };
+    let slope = (0..log.len()).map(grade).collect();
+    let own = [
+        (Channel::BatteryCurrent, current),
+        (Channel::BatteryVoltage, voltage),
+        (Channel::StateOfCharge, soc),
+        (Channel::Slope, slope),
+    ];
+    let replaced = own.each_ref().map(|(channel, _)| *channel);
+    let others = without(&log, &replaced);
+    let others = others.channels().map(|(c, values)| (c, values.to_vec()));
+    raw(log.time_s().to_vec(), others.chain(own))
+}
+
+/// That one finding has this kind, channel and action.
+#[track_caller]
+fn assert_found(log: &RawLog, kind: FindingKind, channel: &str, action: Action) -> RawLog {
+    let checked = check(log.clone());
+    let is_it =
+        |f: &drive_log::Finding| (f.kind, f.channel.as_str(), f.action) == (kind, channel, action);
+    assert!(
+        checked.findings.iter().any(is_it),
+        "{:#?}",
+        checked.findings
+    );
+    checked.log
+}
+
+#[track_caller]
+fn assert_near(log: &RawLog, expected: &RawLog, channel: Channel, tolerance: f64) {
+    let (found, expected) = (
+        log.channel(channel).unwrap(),
+        expected.channel(channel).unwrap(),
+    );
+    for (i, (a, b)) in found.iter().zip(expected).enumerate() {
+        assert!(a.is_nan() || (a - b).abs() <= tolerance, "{i}: {a} for {b}");
+    }
+}
+
+#[test]
+fn a_recorded_drive_is_what_it_says() {
+    assert_eq!(check(recorded()).findings, []);
+}
+
+#[test]
+fn short_times_tell_their_unit() {
+    let log = recorded();
+    let at = |factor: f64, apart: &[Channel]| {
+        let log = without(&log, apart);
+        let time_s = log.time_s().iter().map(|t| t * factor).collect();
+        raw(
+            time_s,
+            log.channels().map(|(c, values)| (c, values.to_vec())),
+        )
+    };
+    let minutes = at(1.0 / 60.0, &WITNESSES);
+    assert_eq!(
+        only(&minutes),
+        (FindingKind::Unit, "time".to_owned(), Action::Scaled)
+    );
+    assert!((check(minutes).log.time_s()[600] - 60.0).abs() < 1e-6);
+    for apart in [&WITNESSES[..], &[]] {
+        assert_found(&at(0.1, apart), FindingKind::Unit, "time", Action::Refused);
+    }
+}
+
+#[test]
+fn lost_rows_are_told_by_accelerometer_and_battery() {
+    let log = recorded();
+    let time_s = log.time_s().iter().map(|t| 2.0 * t).collect();
+    let slow = raw(
+        time_s,
+        log.channels().map(|(c, values)| (c, values.to_vec())),
+    );
+    let slow = without(&slow, &[Channel::Slope, Channel::StateOfCharge]);
+    let checked = check(slow);
+    let refused = checked
+        .findings
+        .iter()
+        .find(|f| f.action == Action::Refused)
+        .unwrap();
+    assert_eq!(refused.channel, "time");
+    assert!(
+        refused.detail.contains("rows are missing"),
+        "{}",
+        refused.detail
+    );
+}
+
+#[test]
+fn a_speed_that_scatters_is_smoothed() {
+    let log = recorded();
+    for deviation in [0.05, 0.3] {
+        let noisy = with(&log, Channel::Speed, |i, v| {
+            if v > 0.5 {
+                v + deviation * noise(i + 500)
+            } else {
+                v
+            }
+        });
+        let smooth = assert_found(&noisy, FindingKind::Noise, "speed_mps", Action::Smoothed);
+        assert_near(&smooth, &log, Channel::Speed, 4.0 * deviation);
+        let rms = |speed: &[f64]| {
+            let steps = speed.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
+            (steps.sum::<f64>() / speed.len() as f64).sqrt()
+        };
+        let (found, true_rms) = (rms(speed(&smooth)), rms(speed(&log)));
+        assert!((found / true_rms - 1.0).abs() < 0.1, "{found} {true_rms}");
+    }
+}
+
+#[test]
+fn values_at_the_end_of_the_range_are_not_known() {
+    let log = recorded();
+    let cases: [(Channel, fn(f64) -> f64); 4] = [
+        (Channel::Speed, |v| v.min(20.0)),
+        (Channel::BatteryCurrent, |a| a.min(60.0)),
+        (Channel::BatteryCurrent, |a| a.max(0.0)),
+        (Channel::BatteryCurrent, |a| a.clamp(-32.0, 32.0)),
+    ];
+    for (channel, clip) in cases {
+        let clipped = with(&log, channel, |_, value| clip(value));
+        let found = assert_found(
+            &clipped,
+            FindingKind::Clipped,
+            channel.name(),
+            Action::Removed,
+        );
+        // a single sample at the end is no plateau
+        let (found, expected) = (
+            found.channel(channel).unwrap(),
+            log.channel(channel).unwrap(),
+        );
+        let wrong = |(a, b): &(&f64, &f64)| a.is_finite() && (*a - *b).abs() > 8.0;
+        assert_eq!(
+            found.iter().zip(expected).filter(wrong).count(),
+            0,
+            "{channel}"
+        );
+    }
+}
+
+#[test]
+fn a_current_that_wraps_around_is_put_right() {
+    let log = recorded();
+    let wrapped = with(&log, Channel::BatteryCurrent, |_, a| {
+        if a < 0.0 { a + 655.36 } else { a }
+    });
+    let found = assert_found(
+        &wrapped,
+        FindingKind::CurrentSign,
+        "battery_current_a",
+        Action::Converted,
+    );
+    assert_near(&found, &log, Channel::BatteryCurrent, 1e-9);
+}
+
+#[test]
+fn volts_and_amps_that_stop_in_motion_are_removed() {
+    let log = recorded();
+    for (channel, value) in [
+        (Channel::BatteryCurrent, Some(0.0)),
+        (Channel::BatteryCurrent, None),
+        (Channel::BatteryVoltage, None),
+    ] {
+        let held = log.channel(channel).unwrap()[1340];
+        let dead = with(&log, channel, |i, old| {
+            if (1340..1540).contains(&i) {
+                value.unwrap_or(held)
+            } else {
+                old
+            }
+        });
+        let found = assert_found(&dead, FindingKind::Frozen, channel.name(), Action::Removed);
+        assert!(
+            found.channel(channel).unwrap()[1340..1540]
+                .iter()
+                .all(|v| v.is_nan())
+        );
+    }
+    let dead = with(&log, Channel::BatteryVoltage, |i, v| {
+        if (1340..1540).contains(&i) { 0.0 } else { v }
+    });
+    assert_found(
+        &dead,
+        FindingKind::Sentinel,
+        "battery_voltage_v",
+        Action::Removed,
+    );
+}
+
+#[test]
+fn the_state_of_charge_tells_an_offset_of_the_current() {
+    let log = recorded();
+    for offset_a in [5.0, -5.0, 20.0] {
+        let off = with(&log, Channel::BatteryCurrent, |_, a| a + offset_a);
+        let found = assert_found(
+            &off,
+            FindingKind::CurrentOffset,
+            "battery_current_a",
+            Action::Shifted,
+        );
+        assert_near(&found, &log, Channel::BatteryCurrent, 0.2);
+    }
+    let charging = with(&log, Channel::BatteryCurrent, |_, a| a - 5.0);
+    let charging = without(&charging, &[Channel::StateOfCharge]);
+    assert_found(
+        &charging,
+        FindingKind::CurrentOffset,
+        "battery_current_a",
+        Action::Kept,
+    );
+}
+
+#[test]
+fn a_straight_line_was_not_measured() {
+    let log = recorded();
+    let measured = speed(&log).to_vec();
+    let line = |i: usize| {
+        measured[3000] + (measured[3400] - measured[3000] + 3.0) * (i - 3000) as f64 / 400.0
+    };
+    let filled = with(&log, Channel::Speed, |i, v| {
+        if (3000..3400).contains(&i) {
+            line(i)
+        } else {
+            v
+        }
+    });
+    let found = assert_found(&filled, FindingKind::Filled, "speed_mps", Action::Removed);
+    let removed = speed(&found)[3000..3400].iter().filter(|v| v.is_nan());
+    assert!(removed.count() > 390);
+}
+
+#[test]
+fn a_slope_that_the_elevation_contradicts_is_not_used() {
+    let log = without(
+        &recorded(),
+        &[Channel::Accelerometer, Channel::BatteryCurrent],
+    );
+    let cases: [(fn(usize, f64) -> f64, FindingKind); 3] = [
+        (|_, s| s + 0.01, FindingKind::Unit),
+        (|_, s| s.abs(), FindingKind::Unit),
+        (
+            |i, s| if i > 6000 { 0.0123 } else { s },
+            FindingKind::Frozen,
+        ),
+    ];
+    for (of, kind) in cases {
+        let wrong = with(&log, Channel::Slope, of);
+        let found = assert_found(&wrong, kind, "grade_rad", Action::Dropped);
+        assert!(found.channel(Channel::Slope).is_none());
+    }
+    let doubled = times(&log, Channel::Slope, 2.0);
+    assert_found(
+        &doubled,
+        FindingKind::Contradicted,
+        "grade_rad",
+        Action::Kept,
+    );
+    let slope = log.channel(Channel::Slope).unwrap().to_vec();
+    let late = with(&log, Channel::Slope, |i, _| {
+        slope[(i + 11_000) % slope.len()]
+    });
+    assert_found(&late, FindingKind::Contradicted, "grade_rad", Action::Kept);
+}
+
+#[test]
+fn the_accelerometer_tells_which_of_slope_and_elevation_is_the_road() {
+    let log = recorded();
+    let doubled = times(&log, Channel::Slope, 2.0);
+    assert_found(&doubled, FindingKind::Unit, "grade_rad", Action::Dropped);
+    let elevation = times(&log, Channel::Elevation, 2.0);
+    assert_found(
+        &elevation,
+        FindingKind::Unit,
+        "elevation_m",
+        Action::Dropped,
+    );
+    let alone = without(&log, &[Channel::Slope]);
+    assert_eq!(check(alone.clone()).findings, []);
+    let tenfold = times(&alone, Channel::Elevation, 10.0);
+    assert_found(&tenfold, FindingKind::Unit, "elevation_m", Action::Dropped);
+}
+
+#[test]
+fn slow_starts_alone_are_a_doubt_about_the_unit() {
+    let log = without(
+        &recorded(),
+        &[&WITNESSES[..], &[Channel::Slope, Channel::StateOfCharge]].concat(),
+    );
+    let slow = times(&log, Channel::Speed, 1.0 / 3.6);
+    let found = assert_found(&slow, FindingKind::Unit, "speed_mps", Action::Kept);
+    assert_eq!(speed(&found), speed(&slow));
+}
+
+#[test]
+fn many_gaps_are_one_finding() {
+    let log = recorded();
+    let time_s = (0..log.len()).map(|i| (i / 10) as f64 + 0.001 * (i % 10) as f64);
+    let batches = raw(
+        time_s.collect(),
+        log.channels().map(|(c, values)| (c, values.to_vec())),
+    );
+    let gaps = check(batches)
+        .findings
+        .into_iter()
+        .filter(|f| f.kind == FindingKind::TimeGap);
+    assert_eq!(gaps.count(), 1);
+}
