@@ -71,6 +71,8 @@ pub enum FindingKind {
     RepeatedTime,
     /// Time runs backward.
     BackwardTime,
+    /// Rows stamped together that were measured one after the other.
+    Batched,
     /// Time without a valid speed, longer than the recording's step.
     TimeGap,
     /// Values that are not there.
@@ -170,6 +172,7 @@ impl fmt::Display for FindingKind {
             FindingKind::MissingTime => "missing time",
             FindingKind::RepeatedTime => "repeated time",
             FindingKind::BackwardTime => "backward time",
+            FindingKind::Batched => "batched",
             FindingKind::TimeGap => "time gap",
             FindingKind::Missing => "missing",
             FindingKind::OutOfRange => "out of range",

@@ -2,7 +2,7 @@
 
 use super::checked::Checked;
 use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
-use super::pace;
+use super::pace::{self, Verdict};
 use crate::statistics::{correlation, mean, median_step_s, near, slope};
 use crate::{Action, Channel, FindingKind};
 
@@ -158,8 +158,8 @@ fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
         );
     }
     match pace::by_battery(checked, share) {
-        Some(why) => pace::refuse(checked, &format!("{figures}; {why}")),
-        None => {
+        Verdict::Wrong(why) => pace::refuse(checked, &format!("{figures}; {why}")),
+        Verdict::Right | Verdict::Open => {
             return drop(
                 checked,
                 &format!(

@@ -33,19 +33,28 @@ fn remove_at(checked: &mut Checked, channel: Channel, side: f64) {
     let Some(values) = checked.values(channel) else {
         return;
     };
-    let end = side * values.iter().map(|v| side * v).fold(f64::NAN, f64::max);
-    let at_end: Vec<Range<usize>> = constant_runs(values)
-        .filter(|run| values[run.start].to_bits() == end.to_bits())
-        .collect();
+    let end_of = |side: f64| side * values.iter().map(|v| side * v).fold(f64::NAN, f64::max);
+    let (end, other) = (end_of(side), end_of(-side));
+    let (mut at_end, mut at_either) = (Vec::new(), Vec::new());
+    for run in constant_runs(values) {
+        let value = values[run.start];
+        if value == end || value == other {
+            at_either.push(run.clone());
+        }
+        if value == end {
+            at_end.push(run);
+        }
+    }
     let is_plateau =
-        |run: &&Range<usize>| run.len() >= RUN_SAMPLES && checked.duration_s(run) >= RUN_S;
-    let plateaus: Vec<Range<usize>> = at_end.iter().filter(is_plateau).cloned().collect();
+        |run: &Range<usize>| run.len() >= RUN_SAMPLES && checked.duration_s(run) >= RUN_S;
+    at_end.retain(is_plateau);
+    let plateaus = at_end;
     let total_s: f64 = plateaus.iter().map(|run| checked.duration_s(run)).sum();
     let samples: usize = plateaus.iter().map(Range::len).sum();
     if total_s < PLATEAU_S
         || side * end < 0.0
         || samples < SAMPLES
-        || !is_lively(checked, values, &at_end, LIVELY_SHARE)
+        || !is_lively(checked, values, &at_either, LIVELY_SHARE)
         || end == 0.0 && is_usual_at_standstill(checked, channel)
     {
         return;
@@ -54,8 +63,9 @@ fn remove_at(checked: &mut Checked, channel: Channel, side: f64) {
         return;
     };
     let detail = format!(
-        "{} stretches of exactly {end:.3}, {total_s:.0} s in all, and none beyond: the end of the range",
-        plateaus.len()
+        "{} stretches of exactly {:.3}, {total_s:.0} s in all, and none beyond: the end of the range",
+        plateaus.len(),
+        end + 0.0 // no −0
     );
     let range = first.start..last.end;
     checked.report(

@@ -153,6 +153,7 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
     let Some(mut elevation_m) = checked.values(Channel::Elevation).map(<[f64]>::to_vec) else {
         return;
     };
+    let mut shifted_m = 0.0;
     let scatter_m = scatter_m(&elevation_m);
     report_noise(checked, &elevation_m);
     let spike_m = ALTITUDE_SPIKE_M.max(OUTLIER_DEVIATIONS * scatter_m);
@@ -177,13 +178,15 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
                 };
                 let back = |j: &usize| (elevation_m[*j] - elevation_m[p]).abs() <= 0.5 * jump_m;
                 let end = following(&time_s, i, longest_s).find(back);
-                let detail = format!("elevation from {} to {} m", elevation_m[p], elevation_m[i]);
+                let recorded_m = |i: usize| (1e6 * (elevation_m[i] + shifted_m)).round() / 1e6;
+                let detail = format!("elevation from {} to {} m", recorded_m(p), recorded_m(i));
                 if let Some(end) = end {
                     remove_block(checked, i..end, detail);
                     i = end;
                 } else if jump_m > block_m {
                     let step_m = elevation_m[i] - elevation_m[p];
                     elevation_m[i..].iter_mut().for_each(|z| *z -= step_m);
+                    shifted_m += step_m;
                     shift_rest(checked, i, step_m, detail);
                 }
             }

@@ -4,6 +4,7 @@
 //! where it is used.
 
 mod accelerometer;
+mod batches;
 mod battery;
 mod charge;
 mod checked;
@@ -54,19 +55,23 @@ use crate::{Channel, RawLog};
 /// | interleaved | a fifth of the rows in motion are of another speed than those around them | refused |
 /// | unit of time | no speed changes like this | scaled where one unit is possible, else refused |
 /// | time missing, repeated, out of order, set back | | samples dropped, sorted, or cut and shifted |
+/// | batched | rows stamped together, and a speed that changes from row to row alike | spread evenly |
 /// | time gap | a step over 2.5 median steps | none here; [`crate::prepare()`] interpolates or cuts |
 /// | times that count rows | whole numbers, and accelerometer, way, or starts and stops say otherwise | scaled, refused or kept |
 /// | missing values | | none |
 /// | volts and amps exchanged | a voltage varies by half of its mean, and the current hardly | exchanged |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
 /// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
+/// | current that wraps around | large jumps, all by the turn of a counter of 16 bit | turned back |
+/// | current, voltage at the end of the range; still or 0 V in motion | an extreme again and again; one value while the car accelerates or the current changes | removed |
+/// | current offset | the state of charge falls by another current; the battery is charged at standstill | taken off; kept |
 /// | codes of other channels | one exact value in single rows, far outside all others | removed |
 /// | dropouts | a speed off both its neighbours, on the same side, by more than a car turns around, for 2 s at most | removed, with all samples of a value that is a code |
 /// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
 /// | unit of speed | two jumps by the factor between two units; or motion, speed limit, accelerometer, distance and battery power speak against the speed | scaled where one unit is possible or clearly likely; refused where the speed is impossible; else kept; a channel that is alone against all others is dropped |
 /// | unit of limits | steps of 5 m/s, some over 162 km/h | scaled, or dropped |
 /// | accelerometer | late, in g, turned around, off level | shifted or scaled; dropped where it does not follow the speed |
-/// | slope, elevation | slopes of no street, or turned around, or another multiple of what the elevation rises; feet | dropped |
+/// | times, slope, elevation | slopes of no street; the two rise by other factors, or by more all along, or have nothing in common; accelerometer or battery feel another road | the wrong one dropped; kept where that is not known; times refused |
 /// | gap and speed ahead | the gap does not change as the speeds differ | scaled; removed where it is the last one kept |
 /// | frozen speed | constant over 0.5 m/s for 10 s (90 s where the speed often repeats) with two of acceleration, torque, voltage and current; for 60 s alone (kept after 300 s where the speed often repeats) | removed with all that froze |
 /// | frozen elevation | constant, and not 0, over 5 km | removed |
@@ -78,6 +83,8 @@ use crate::{Channel, RawLog};
 /// | contradicted | at standstill the battery delivers less than heating and auxiliaries, for half of the time that the heating claims power | channel dropped |
 /// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
 /// | held | values repeated in rows until the sensor gives the next one | the line between updates |
+/// | clipped, filled | a speed that ends at one value; a straight line | removed |
+/// | scattering | a speed off the line between its neighbours, on alternating sides | smoothed |
 /// | quantised | a speed in coarse steps | smoothed within half a step |
 /// | noise | an elevation that scatters by over 2 m | none here; a slope from it is taken over a window as long as that asks for |
 ///

@@ -12,22 +12,40 @@ const MOVING_MPS: f64 = 1.0;
 /// The battery says that times are wrong where the car is more ordinary without, by so many usual factors.
 const CLEARLY: f64 = 1.0;
 
-/// What says that the car changes its speed `times` as fast as the times say: with the battery power it is an ordinary car then,
-/// and is none as recorded.
-pub(super) fn by_battery(checked: &Checked, times: f64) -> Option<String> {
+/// What the battery says of times.
+pub(super) enum Verdict {
+    /// They are off, and why.
+    Wrong(String),
+    /// They are not.
+    Right,
+    /// It does not tell.
+    Open,
+}
+
+/// Whether the car changes its speed `times` as fast as the times say: with the battery power it is an ordinary car then, and is none
+/// as recorded.
+pub(super) fn by_battery(checked: &Checked, times: f64) -> Verdict {
     let spans: Vec<Span> = spans(&checked.log)
         .into_iter()
         .filter(|span| span.speed_mps > MOVING_MPS)
         .collect();
     let loads = loads(&checked.log, &spans);
     let faster: Vec<Load> = loads.iter().map(|load| load.at_pace(times)).collect();
-    let (as_said, then) = (Load::fit(&loads, 1.0)?, Load::fit(&faster, 1.0)?);
-    (as_said.oddity() - then.oddity() >= CLEARLY).then(|| {
-        format!(
+    let Some((as_said, then)) = Load::fit(&loads, 1.0).zip(Load::fit(&faster, 1.0)) else {
+        return Verdict::Open;
+    };
+    let better = as_said.oddity() - then.oddity();
+    if better >= CLEARLY {
+        let why = format!(
             "speed and battery power are those of {as_said}, and of {then} if every second takes {:.2} s",
             1.0 / times
-        )
-    })
+        );
+        Verdict::Wrong(why)
+    } else if better <= -CLEARLY {
+        Verdict::Right
+    } else {
+        Verdict::Open
+    }
 }
 
 /// Refuses the times.

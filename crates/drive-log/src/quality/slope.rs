@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::checked::Checked;
 use super::jump::noise_m;
-use super::pace;
+use super::pace::{self, Verdict};
 use super::road::{Stretch, felt_by_battery, pairs, stretches};
 use super::runs::constant_runs;
 use crate::statistics::{correlation, near, slope};
@@ -89,9 +89,17 @@ pub(super) fn judge(checked: &mut Checked) {
         );
         drop(checked, Channel::Elevation, detail);
     } else if let Some((times, detail)) = factor(&heights) {
+        // an accelerometer that is still there has said that the times are right
+        let is_felt = checked.values(Channel::Accelerometer).is_some();
         match pace::by_battery(checked, times) {
-            Some(why) => pace::refuse(checked, &format!("{detail}; {why}")),
-            None => settle(checked, &stretches, &detail),
+            Verdict::Wrong(why) if !is_felt => {
+                pace::refuse(checked, &format!("{detail}; {why}"));
+            }
+            Verdict::Open if !is_felt => keep(
+                checked,
+                &format!("{detail}: one of the two, or the times, are wrong"),
+            ),
+            _ => settle(checked, &stretches, &detail),
         }
     } else if let Some(detail) = offset(&stretches) {
         drop(checked, Channel::Slope, detail);
@@ -223,12 +231,15 @@ fn settle(checked: &mut Checked, stretches: &[Stretch], why: &str) {
         let detail = format!("{why}, and never falls: recorded without its sign; not used");
         return drop(checked, Channel::Slope, detail);
     }
-    let detail = format!("{why}: one of them is wrong; check both, and leave one out");
+    keep(checked, &format!("{why}: one of the two is wrong"));
+}
+
+fn keep(checked: &mut Checked, why: &str) {
     checked.report_all(
         FindingKind::Contradicted,
         Channel::Slope,
         Action::Kept,
-        detail,
+        format!("{why}; check them, and leave out what is wrong"),
     );
 }
 

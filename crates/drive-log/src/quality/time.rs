@@ -1,5 +1,6 @@
 //! Time that does not run forward.
 
+use super::batches;
 use super::checked::Checked;
 use crate::statistics::median_step_s;
 use crate::{Action, Finding, FindingKind, RawLog};
@@ -9,9 +10,6 @@ pub(crate) const MAX_LATE: usize = 5;
 
 /// A step over this many median steps is a gap: at least two samples are lost.
 const GAP_STEPS: f64 = 2.5;
-
-/// More gaps are one finding.
-const MOST_GAPS: usize = 100;
 
 /// Makes time strictly increasing.
 pub(super) fn repair(checked: &mut Checked) {
@@ -26,6 +24,7 @@ pub(super) fn repair(checked: &mut Checked) {
                 .map(|cut_s| time_s.partition_point(|t| t < cut_s)),
         );
     }
+    batches::spread(checked);
     report_gaps(checked);
 }
 
@@ -167,31 +166,21 @@ fn drop_repeated(checked: &mut Checked) {
 fn report_gaps(checked: &mut Checked) {
     let time_s = checked.log.time_s();
     let step_s = median_step_s(time_s);
-    let gaps: Vec<(f64, f64)> = time_s
+    let gaps: Vec<Finding> = time_s
         .windows(2)
         .filter(|pair| pair[1] - pair[0] > GAP_STEPS * step_s)
-        .map(|pair| (pair[0], pair[1]))
-        .collect();
-    let kept =
-        |span_s, detail| Finding::of_time(FindingKind::TimeGap, span_s, Action::Kept, detail);
-    let each = |&(from_s, to_s): &(f64, f64)| {
-        let detail = format!(
-            "{:.3} s without a sample, where the step is {step_s:.3} s",
-            to_s - from_s
-        );
-        kept((from_s, to_s), detail)
-    };
-    match gaps.as_slice() {
-        [first, .., last] if gaps.len() > MOST_GAPS => {
-            let lengths_s = gaps.iter().map(|(from_s, to_s)| to_s - from_s);
+        .map(|pair| {
             let detail = format!(
-                "{} times {:.3} to {:.3} s without a sample, where the step is {step_s:.3} s: rows are stamped in batches, or many are missing",
-                gaps.len(),
-                lengths_s.clone().fold(f64::INFINITY, f64::min),
-                lengths_s.fold(0.0, f64::max),
+                "{:.3} s without a sample, where the step is {step_s:.3} s",
+                pair[1] - pair[0]
             );
-            checked.findings.push(kept((first.0, last.1), detail));
-        }
-        gaps => checked.findings.extend(gaps.iter().map(each)),
-    }
+            Finding::of_time(
+                FindingKind::TimeGap,
+                (pair[0], pair[1]),
+                Action::Kept,
+                detail,
+            )
+        })
+        .collect();
+    checked.findings.extend(gaps);
 }

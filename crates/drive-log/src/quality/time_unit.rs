@@ -94,12 +94,12 @@ pub(super) fn convert(checked: &mut Checked) {
         .into_iter()
         .filter(|(factor, _)| fits(*factor) && (*factor > 1.0) == too_fast)
         .collect();
-    let why = if let Some(change_s) = change_s {
+    let why = if crash_mps2 > CRASH_MPS2 {
+        format!("the speed changes by over {crash_mps2:.0} m/s² for a quarter of the time")
+    } else if let Some(change_s) = change_s {
         format!(
             "a quarter of all changes of the speed by {CHANGE_MPS} m/s take no more than {change_s:.2} s"
         )
-    } else if too_fast {
-        format!("the speed changes by over {crash_mps2:.0} m/s² for a quarter of the time")
     } else {
         format!(
             "the car stops and drives, and its speed never changes by over {crawl_mps2:.1e} m/s²"

@@ -364,16 +364,32 @@ fn slow_starts_alone_are_a_doubt_about_the_unit() {
 }
 
 #[test]
-fn many_gaps_are_one_finding() {
+fn rows_that_are_stamped_in_batches_are_spread() {
     let log = recorded();
-    let time_s = (0..log.len()).map(|i| (i / 10) as f64 + 0.001 * (i % 10) as f64);
-    let batches = raw(
-        time_s.collect(),
-        log.channels().map(|(c, values)| (c, values.to_vec())),
+    let stamped = |of: fn(usize) -> f64| {
+        let channels = log.channels().map(|(c, values)| (c, values.to_vec()));
+        raw((0..log.len()).map(of).collect(), channels)
+    };
+    let batches = stamped(|i| (i / 10) as f64 + 0.001 * (i % 10) as f64);
+    assert_eq!(
+        only(&batches),
+        (FindingKind::Batched, "time".to_owned(), Action::Converted)
     );
-    let gaps = check(batches)
-        .findings
-        .into_iter()
-        .filter(|f| f.kind == FindingKind::TimeGap);
-    assert_eq!(gaps.count(), 1);
+    let even = check(batches).log;
+    let off_s = even
+        .time_s()
+        .iter()
+        .zip(log.time_s())
+        .map(|(a, b)| (a - b).abs());
+    assert!(off_s.fold(0.0, f64::max) < 1e-9);
+    // what is measured in bursts stays where it is
+    let apart = without(&log, &[Channel::Accelerometer, Channel::BatteryCurrent]);
+    let bursts = changed(&apart, Channel::Speed, |v| {
+        (0..v.len()).for_each(|i| v[i] = v[i / 10 * 10] + 1e-3 * (i % 10) as f64);
+    });
+    let channels = bursts.channels().map(|(c, values)| (c, values.to_vec()));
+    let time_s = (0..log.len()).map(|i| (i / 10) as f64 + 0.01 * (i % 10) as f64);
+    let bursts = check(raw(time_s.collect(), channels));
+    let batched = |f: &&drive_log::Finding| f.kind == FindingKind::Batched;
+    assert_eq!(bursts.findings.iter().filter(batched).count(), 0);
 }

@@ -28,9 +28,10 @@ const PULL_MPS2: Usual = Usual(1.8, 0.35);
 const SHARE: Usual = Usual(1.0, 0.25);
 
 /// From where on a figure is odd, in usual factors; and where a drive that starts is so sluggish that this alone is odd: below 0.63
-/// m/s² for a hundredth of the time.
+/// m/s² for a hundredth of the time, or 0.96 where it never goes faster than the last, m/s.
 const ODD: f64 = 1.8;
 const SLUGGISH: f64 = 3.0;
+const SLOW_MPS: f64 = 10.0;
 const STANDSTILL_MPS: f64 = 0.05;
 
 /// From where on a car is odd, and up to where it is ordinary; a unit that is rare.
@@ -209,7 +210,8 @@ impl Witnesses {
 
     /// Whether a drive that starts gathers speed as slowly as no ordinary one.
     pub(super) fn is_sluggish(&self) -> bool {
-        self.starts && PULL_MPS2.off(self.pull_mps2) <= -SLUGGISH
+        let off = PULL_MPS2.off(self.pull_mps2);
+        self.starts && (off <= -SLUGGISH || self.top_mps < SLOW_MPS && off <= -ODD)
     }
 
     /// How far each figure is off an ordinary drive if the speed is `k` times too large, in usual
