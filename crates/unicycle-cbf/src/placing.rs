@@ -138,18 +138,26 @@ impl Controller {
     ) -> Option<usize> {
         let ahead = others.filter_map(|(robot, other)| {
             let other = other?;
-            let ahead_m = self.ahead_m(own, &other)?;
-            Some((ahead_m, own.state.square_m2(&other.state), robot))
+            Some((self.ahead_m(own, &other)?, robot, other))
         });
-        let next = ahead.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if self.settings.headway.distance == Distance::Path {
-            return Some(next.2);
+        let (mut next_m, mut second_m, mut next) = (f64::INFINITY, f64::INFINITY, None);
+        for (ahead_m, robot, _) in ahead.clone() {
+            if ahead_m < next_m {
+                (next_m, second_m, next) = (ahead_m, next_m, Some(robot));
+            } else {
+                second_m = second_m.min(ahead_m);
+            }
         }
-        let most_m = next.0 + 2.0 * self.settings.lane.half_width_m;
-        let beside = ahead.filter(|other| other.0 <= most_m);
-        beside
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|other| other.2)
+        let most_m = next_m + 2.0 * self.settings.lane.half_width_m;
+        if self.settings.headway.distance == Distance::Path || second_m > most_m {
+            return next;
+        }
+        let square_m2 = |other: &Located| own.state.square_m2(&other.state);
+        ahead
+            .filter(|(ahead_m, ..)| *ahead_m <= most_m)
+            .map(|(_, robot, other)| (square_m2(&other), robot))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, robot)| robot)
     }
 
     /// What has to lie between the middles of the axles of two robots, in m: both radii and the clearance.

@@ -34,6 +34,9 @@ const SLUGGISH: f64 = 3.0;
 const SLOW_MPS: f64 = 10.0;
 const STANDSTILL_MPS: f64 = 0.05;
 
+/// Seconds in motion in which an ordinary driver has accelerated once.
+const LONG: usize = 400;
+
 /// From where on a car is odd, and up to where it is ordinary; a unit that is rare.
 const ODD_CAR: f64 = 2.5;
 const ORDINARY_CAR: f64 = 1.2;
@@ -102,7 +105,7 @@ impl Witnesses {
             top_mps: high(|span| span.speed_mps)?,
             pull_mps2: high(|span| span.accel_mps2)?,
             pull_w_per_kg: high(Span::inertia)?,
-            starts: log.speed_mps().iter().any(|v| v.abs() < STANDSTILL_MPS),
+            starts: spans.len() >= LONG && log.speed_mps().iter().any(|v| v.abs() < STANDSTILL_MPS),
             limit_share: limit_share(log, &spans),
             ratios: ratios.filter(Ratio::is_known).collect(),
             loads: loads(log, &spans),
