@@ -1,15 +1,14 @@
 //! Accelerometers in another unit, turned, late or off level.
 
 use super::checked::Checked;
-use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
+use super::motion::{GRAVITY_MPS2, Span, mean_gradient, moving_spans};
 use super::pace::{self, Verdict};
 use crate::statistics::{correlation, mean, median_step_s, near, slope};
 use crate::{Action, Channel, FindingKind};
 
-/// Seconds in motion that say something, faster than this, m/s, and by how much the car must change
+/// Seconds in motion that say something, and by how much the car must change
 /// its speed meanwhile, m/s² (root mean square).
 const SECONDS: usize = 60;
-const MOVING_MPS: f64 = 1.0;
 
 /// A second with more than this holds a jump of the recorded speed, m/s².
 const JUMP_MPS2: f64 = 11.0;
@@ -50,10 +49,8 @@ pub(super) fn mend(checked: &mut Checked) {
     if checked.values(Channel::Accelerometer).is_none() {
         return;
     }
-    let spans: Vec<Span> = spans(&checked.log)
-        .into_iter()
-        .filter(|span| span.speed_mps > MOVING_MPS && span.accel_mps2.abs() < JUMP_MPS2)
-        .collect();
+    let mut spans = moving_spans(&checked.log);
+    spans.retain(|span| span.accel_mps2.abs() < JUMP_MPS2);
     let lively = mean(spans.iter().map(|span| span.accel_mps2.powi(2)));
     if spans.len() < SECONDS || lively.is_none_or(|square| square < LIVELY_MPS2.powi(2)) {
         return;

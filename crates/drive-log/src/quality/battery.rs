@@ -3,12 +3,10 @@
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::motion::MOVING_MPS;
 use super::runs::constant_runs;
 use crate::statistics::{deviation, quantile};
 use crate::{Action, Channel, FindingKind};
-
-/// A car this fast moves, m/s.
-const MOVING_MPS: f64 = 1.0;
 
 /// While the speed rises by so much, m/s, the current does not stay the same for so long, s: 0.1 s at most in 33 trips of a BMW
 /// i3. A voltage does not while the current changes by so much, A: 3.2 s there, and 6 A.

@@ -4,6 +4,7 @@
 //! capacity and the offset are fitted by least squares.
 
 use super::checked::Checked;
+use super::motion::STANDSTILL_MPS;
 use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
@@ -20,7 +21,6 @@ const OFFSET_A: f64 = 1.5;
 const ERRORS: f64 = 6.0;
 
 /// A car that stands takes power from its battery: over so long, s, the median is not below the last figure, W.
-const STANDSTILL_MPS: f64 = 0.05;
 const STANDSTILL_S: f64 = 10.0;
 const CHARGING_W: f64 = -100.0;
 

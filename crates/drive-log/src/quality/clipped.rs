@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::battery::is_lively;
 use super::checked::Checked;
+use super::motion::STANDSTILL_MPS;
 use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
@@ -17,8 +18,7 @@ const RUN_SAMPLES: usize = 3;
 /// Share of the other samples in motion that may repeat the one before.
 const LIVELY_SHARE: f64 = 0.1;
 
-/// A standstill of the car, m/s, and the share of the samples there at which a current of 0 is one without auxiliaries.
-const STANDSTILL_MPS: f64 = 0.05;
+/// The share of the samples at standstill at which a current of 0 is one without auxiliaries.
 const SWITCHED_OFF: f64 = 0.5;
 
 /// Removes speeds and currents at the end of the range: what was there is not known.
@@ -35,37 +35,34 @@ fn remove_at(checked: &mut Checked, channel: Channel, side: f64) {
     };
     let end_of = |side: f64| side * values.iter().map(|v| side * v).fold(f64::NAN, f64::max);
     let (end, other) = (end_of(side), end_of(-side));
-    let (mut at_end, mut at_either) = (Vec::new(), Vec::new());
+    let (mut plateaus, mut at_either) = (Vec::new(), Vec::new());
     for run in constant_runs(values) {
-        let value = values[run.start];
-        if value == end || value == other {
-            at_either.push(run.clone());
+        let is_at = |end: f64| bits(values[run.start]) == bits(end);
+        let is_long = run.len() >= RUN_SAMPLES && checked.duration_s(&run) >= RUN_S;
+        if is_at(end) && is_long {
+            plateaus.push(run.clone());
         }
-        if value == end {
-            at_end.push(run);
+        if is_at(end) || is_at(other) {
+            at_either.push(run);
         }
-    }
-    let is_plateau =
-        |run: &Range<usize>| run.len() >= RUN_SAMPLES && checked.duration_s(run) >= RUN_S;
-    at_end.retain(is_plateau);
-    let plateaus = at_end;
-    let total_s: f64 = plateaus.iter().map(|run| checked.duration_s(run)).sum();
-    let samples: usize = plateaus.iter().map(Range::len).sum();
-    if total_s < PLATEAU_S
-        || side * end < 0.0
-        || samples < SAMPLES
-        || !is_lively(checked, values, &at_either, LIVELY_SHARE)
-        || end == 0.0 && is_usual_at_standstill(checked, channel)
-    {
-        return;
     }
     let (Some(first), Some(last)) = (plateaus.first(), plateaus.last()) else {
         return;
     };
+    let total_s: f64 = plateaus.iter().map(|run| checked.duration_s(run)).sum();
+    let samples: usize = plateaus.iter().map(Range::len).sum();
+    if total_s < PLATEAU_S
+        || samples < SAMPLES
+        || side * end < 0.0
+        || !is_lively(checked, values, &at_either, LIVELY_SHARE)
+        || bits(end) == 0 && is_usual_at_standstill(checked, channel)
+    {
+        return;
+    }
     let detail = format!(
         "{} stretches of exactly {:.3}, {total_s:.0} s in all, and none beyond: the end of the range",
         plateaus.len(),
-        end + 0.0 // no −0
+        f64::from_bits(bits(end))
     );
     let range = first.start..last.end;
     checked.report(
@@ -78,6 +75,11 @@ fn remove_at(checked: &mut Checked, channel: Channel, side: f64) {
     for run in plateaus {
         checked.remove(channel, run);
     }
+}
+
+/// To compare values; −0 is 0.
+fn bits(value: f64) -> u64 {
+    (value + 0.0).to_bits()
 }
 
 /// Whether the current is 0 while the car stands.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::motion::MOVING_MPS;
 use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
@@ -14,8 +15,7 @@ const LEAST_S: f64 = 8.0;
 const SAMPLES: usize = 20;
 const LEAST_MPS2: f64 = 0.01;
 
-/// Samples in motion, this fast, m/s, of which such a share is off the line between its neighbours: cycles are made of lines.
-const MOVING_MPS: f64 = 1.0;
+/// Samples in motion of which such a share is off the line between its neighbours: cycles are made of lines.
 const LIVELY_SHARE: f64 = 0.7;
 const LIVELY_SAMPLES: usize = 100;
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::motion::STANDSTILL_MPS;
 use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
@@ -31,7 +32,6 @@ const OFF_W: f64 = 50.0;
 /// above the first, W; the second is the meters' tolerance, W.
 const CLAIM_W: f64 = 300.0;
 const TOLERANCE_W: f64 = 200.0;
-const STANDSTILL_MPS: f64 = 0.05;
 
 /// Claims at standstill that decide, s, and the share of them that the battery must contradict.
 const CLAIMED_S: f64 = 5.0;

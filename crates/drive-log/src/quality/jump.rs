@@ -187,7 +187,7 @@ pub(super) fn remove_altitude_outliers(checked: &mut Checked) {
                     let step_m = elevation_m[i] - elevation_m[p];
                     elevation_m[i..].iter_mut().for_each(|z| *z -= step_m);
                     shifted_m += step_m;
-                    shift_rest(checked, i, step_m, detail);
+                    shift_rest(checked, i, step_m, &detail);
                 }
             }
         }
@@ -234,7 +234,7 @@ fn report_noise(checked: &mut Checked, elevation_m: &[f64]) {
 }
 
 /// Joins what follows a jump that no road makes: slopes are right on either side.
-fn shift_rest(checked: &mut Checked, at: usize, step_m: f64, detail: String) {
+fn shift_rest(checked: &mut Checked, at: usize, step_m: f64, jump: &str) {
     if let Some(values) = checked.log.channels.get_mut(&Channel::Elevation) {
         values[at..].iter_mut().for_each(|z| *z -= step_m);
     }
@@ -243,7 +243,7 @@ fn shift_rest(checked: &mut Checked, at: usize, step_m: f64, detail: String) {
         Channel::Elevation,
         &(at - 1..at + 1),
         Action::Shifted,
-        format!("{detail} for good; {step_m:.1} m taken off what follows"),
+        format!("{jump} for good; {step_m:.1} m taken off what follows"),
     );
 }
 

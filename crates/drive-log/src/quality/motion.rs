@@ -10,6 +10,10 @@ use crate::{Channel, RawLog};
 const SPAN_S: f64 = 1.0;
 const LONGEST_S: f64 = 3.0;
 
+/// A car this fast moves, and this slow it stands, m/s.
+pub(super) const MOVING_MPS: f64 = 1.0;
+pub(super) const STANDSTILL_MPS: f64 = 0.05;
+
 /// Standard gravity, m/s².
 pub(super) const GRAVITY_MPS2: f64 = 9.80665;
 
@@ -47,6 +51,13 @@ pub(super) fn spans(log: &RawLog) -> Vec<Span> {
         }
         from = Some(to);
     }
+    spans
+}
+
+/// The seconds of a recording in which the car moves forward.
+pub(super) fn moving_spans(log: &RawLog) -> Vec<Span> {
+    let mut spans = spans(log);
+    spans.retain(|span| span.speed_mps > MOVING_MPS);
     spans
 }
 

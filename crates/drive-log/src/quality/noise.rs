@@ -1,13 +1,13 @@
 //! Speeds that scatter from row to row.
 
 use super::checked::Checked;
+use super::motion::MOVING_MPS;
 use super::quantised::stand_still;
 use super::whittaker;
 use crate::statistics::{deviation, mean, median_step_s, off_line};
 use crate::{Action, Channel, FindingKind};
 
-/// A car this fast moves, m/s; rows in motion that tell.
-const MOVING_MPS: f64 = 1.0;
+/// Rows in motion that tell.
 const ROWS: usize = 100;
 
 /// A scatter whose differences are under this, m/s², is lost in the smoothing.

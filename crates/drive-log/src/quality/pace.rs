@@ -1,13 +1,10 @@
 //! Times that run too fast or too slowly by a factor.
 
 use super::checked::Checked;
-use super::motion::{Span, spans};
+use super::motion::moving_spans;
 use super::power::{Load, loads};
 use super::time_unit::report;
 use crate::Action;
-
-/// A car this fast moves, m/s.
-const MOVING_MPS: f64 = 1.0;
 
 /// The battery says that times are wrong where the car is more ordinary without, by so many usual factors.
 const CLEARLY: f64 = 1.0;
@@ -25,11 +22,7 @@ pub(super) enum Verdict {
 /// Whether the car changes its speed `times` as fast as the times say: with the battery power it is an ordinary car then, and is none
 /// as recorded.
 pub(super) fn by_battery(checked: &Checked, times: f64) -> Verdict {
-    let spans: Vec<Span> = spans(&checked.log)
-        .into_iter()
-        .filter(|span| span.speed_mps > MOVING_MPS)
-        .collect();
-    let loads = loads(&checked.log, &spans);
+    let loads = loads(&checked.log, &moving_spans(&checked.log));
     let faster: Vec<Load> = loads.iter().map(|load| load.at_pace(times)).collect();
     let Some((as_said, then)) = Load::fit(&loads, 1.0).zip(Load::fit(&faster, 1.0)) else {
         return Verdict::Open;

@@ -1,7 +1,7 @@
 //! What a stretch of the road rises, by all that knows.
 
 use super::checked::Checked;
-use super::motion::{GRAVITY_MPS2, Span, spans};
+use super::motion::{GRAVITY_MPS2, Span, moving_spans, spans};
 use super::power::{Load, felt_climb, loads};
 use crate::statistics::mean;
 use crate::{Channel, RawLog};
@@ -13,13 +13,11 @@ const STRETCH_M: f64 = 150.0;
 const REACH_M: f64 = 100.0;
 const LEAST_M: f64 = 50.0;
 
-/// A car this fast moves, m/s.
-const MOVING_MPS: f64 = 1.0;
-
-/// The battery tells where the car is an ordinary one, within so many usual factors, on roads whose gradients deviate by so much, where it feels so many standard errors of a climb.
+/// The battery tells where the car is an ordinary one, within so many usual factors, on roads whose gradients deviate by so much,
+/// where it feels so many standard errors of a climb.
+const ORDINARY: f64 = 1.5;
 const HILLY: f64 = 0.01;
 const CERTAIN: f64 = 10.0;
-const ORDINARY: f64 = 1.5;
 
 /// A stretch of the road, m.
 #[derive(Clone, Copy, Default)]
@@ -69,10 +67,7 @@ pub(super) fn pairs(stretches: &[Stretch], of: impl Fn(&Stretch) -> (f64, f64)) 
 pub(super) fn felt_by_battery(checked: &Checked, channel: Channel) -> Option<f64> {
     let log = &checked.log;
     let values = log.channel(channel)?;
-    let spans: Vec<Span> = spans(log)
-        .into_iter()
-        .filter(|span| span.speed_mps > MOVING_MPS)
-        .collect();
+    let spans = moving_spans(log);
     let gradients: Vec<f64> = if channel == Channel::Elevation {
         let distance_m = checked.distance_m();
         let gradient = |span: &Span| gradient(&distance_m, values, *span.samples.start());

@@ -1,7 +1,7 @@
 //! The sign of the battery current.
 
 use super::checked::Checked;
-use super::motion::{GRAVITY_MPS2, Span, mean_gradient, spans};
+use super::motion::{GRAVITY_MPS2, Span, mean_gradient, moving_spans};
 use crate::statistics::{correlation, significance};
 use crate::{Action, Channel, FindingKind};
 
@@ -13,9 +13,6 @@ const CERTAIN_DEVIATIONS: f64 = 4.0;
 
 /// Seconds of a part of the drive that has a sign of its own.
 const PART: usize = 60;
-
-/// A car this fast moves, m/s.
-const MOVING_MPS: f64 = 1.0;
 
 /// Braking that motors take part in, W/kg: 0.2 m/s² at 10 m/s.
 const BRAKING_W_PER_KG: f64 = -2.0;
@@ -37,10 +34,7 @@ pub(super) fn flip_current(checked: &mut Checked) {
     if checked.values(Channel::BatteryCurrent).is_none() {
         return;
     }
-    let spans: Vec<Span> = spans(&checked.log)
-        .into_iter()
-        .filter(|span| span.speed_mps > MOVING_MPS)
-        .collect();
+    let spans = moving_spans(&checked.log);
     if let Some(detail) = has_no_sign(checked, &spans).or_else(|| turns(checked, &spans)) {
         drop_current(checked, detail);
     } else if let Some(detail) = runs_against(checked, &spans) {

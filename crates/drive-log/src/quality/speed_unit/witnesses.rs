@@ -1,14 +1,13 @@
 //! What the rest of a recording says about its speeds.
 
 use super::super::distance;
-use super::super::motion::{Span, spans};
+use super::super::motion::{MOVING_MPS, STANDSTILL_MPS, Span, spans};
 use super::super::power::{Car, Load, Usual, loads};
 use super::super::speed_mistake::{MISTAKES, Mistake};
 use crate::statistics::{correlation, near, quantile, slope};
 use crate::{Channel, RawLog};
 
-/// A car this fast moves, m/s; seconds in motion that say something.
-const MOVING_MPS: f64 = 1.0;
+/// Seconds in motion that say something.
 const SECONDS: usize = 120;
 
 /// What a hundredth of the time exceeds with no car on the road: 252 km/h, at which most fast cars
@@ -32,7 +31,6 @@ const SHARE: Usual = Usual(1.0, 0.25);
 const ODD: f64 = 1.8;
 const SLUGGISH: f64 = 3.0;
 const SLOW_MPS: f64 = 10.0;
-const STANDSTILL_MPS: f64 = 0.05;
 
 /// Seconds in motion in which an ordinary driver has accelerated once.
 const LONG: usize = 400;
