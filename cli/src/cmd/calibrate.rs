@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use driver_eval::calibration::{CalibrationReport, calibrate_vehicle};
 use driver_model::energy::EnergyScore;
-use ev_energy::{ParameterEstimate, VehicleSpec};
+use ev_energy::{VehicleSpec, calibration::ParameterEstimate};
 use serde::Serialize;
 
 use super::left_out;

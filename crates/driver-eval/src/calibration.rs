@@ -3,8 +3,11 @@
 use driver_model::energy::{EnergyInput, EnergyScore};
 use driver_model::{Error as ModelError, LeftOut, Motion, motion};
 use ev_energy::{
-    Calibration, CalibrationRecord, CalibrationTrip, Comparison, Fold, JOULES_PER_KWH,
-    ParameterEstimate, Vehicle, calibrate, leave_one_out,
+    CalibrationRecord, JOULES_PER_KWH, Vehicle,
+    calibration::{
+        Calibration, CalibrationTrip, Fold, ParameterEstimate, calibrate, leave_one_out,
+    },
+    comparison::Comparison,
 };
 use rayon::prelude::*;
 use serde::Serialize;

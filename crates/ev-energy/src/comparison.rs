@@ -1,3 +1,5 @@
+//! Modelled and measured power, compared in means over the same time.
+
 use crate::operating_point::OperatingPoint;
 
 /// Time over which power is averaged before it is compared, s: shorter, and it is the noise of the logger that is compared.

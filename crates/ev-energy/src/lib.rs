@@ -49,9 +49,9 @@
 //!   implements; "corrected" marks an equation that is wrong as printed.
 
 mod battery;
-mod calibration;
+pub mod calibration;
 mod check;
-mod comparison;
+pub mod comparison;
 mod cycle;
 mod error;
 mod grade;
@@ -68,10 +68,6 @@ mod vehicle_check;
 mod weather;
 
 pub use battery::{Battery, BatteryDraw, BatterySpec, VoltageCurveSpec};
-pub use calibration::{
-    Calibration, CalibrationTrip, Fold, ParameterEstimate, calibrate, leave_one_out,
-};
-pub use comparison::{COMPARISON_STEP_S, Comparison, PowerAverager, PowerMean};
 pub use cycle::Cycle;
 pub use error::Error;
 pub use grade::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_accelerometer, slope_from_elevation};

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
-use unicycle_cbf::{Hardening, Limits};
+use unicycle_cbf::{Limits, settings::Hardening};
 
 use crate::disturbances::Disturbances;
 

@@ -1,8 +1,9 @@
 //! The controllers of all robots of a scenario, run in step by one computer.
 
 use unicycle_cbf::{
-    Ahead, Brake, Decision, Located, Pilot, Place, RowKind, Scenario, Speeds, StampedPose, State,
-    Surroundings, Tracks, WheelSpeeds,
+    Brake, Decision, Located, Pilot, RowKind, Scenario, Speeds, StampedPose, State, Tracks,
+    WheelSpeeds,
+    pilot::{Ahead, Place, Surroundings},
 };
 
 use crate::holds::Holds;

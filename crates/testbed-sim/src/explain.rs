@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use unicycle_cbf::cbf::LaneBarrier;
 use unicycle_cbf::{
-    Controller, Decision, Deviation, Leader, Lie, Outcome, RowKind, Scenario, State,
+    Controller, Decision, Leader, Lie, Outcome, RowKind, Scenario, State, lateral::Deviation,
 };
 
 use crate::error::Error;

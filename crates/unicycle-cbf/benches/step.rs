@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use divan::Bencher;
 use unicycle_cbf::{
-    Ahead, Controller, Leader, Pilot, Pose, Preset, Scenario, Sighting, Speeds, StampedPose, State,
-    Testbed,
+    Controller, Leader, Pilot, Pose, Preset, Scenario, Speeds, StampedPose, State, Testbed,
+    pilot::{Ahead, Sighting},
 };
 
 fn main() {

@@ -8,7 +8,7 @@ use std::error::Error;
 
 use unicycle_cbf::path::Path;
 use unicycle_cbf::{
-    Ahead, Controller, ControllerSettings, Pilot, Pose, Preset, Speeds, StampedPose, Testbed,
+    Controller, ControllerSettings, Pilot, Pose, Preset, Speeds, StampedPose, Testbed, pilot::Ahead,
 };
 
 const HOLD_S: f64 = 0.02;

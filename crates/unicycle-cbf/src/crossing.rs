@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use crate::error::Error;
 use crate::path::Path;
-use crate::path::span::Span;
+use crate::path::Span;
 
 /// Samples of the path at most, and their spacing as a share of what is near. Longer paths are sampled more coarsely, and what is near
 /// is then more: no robot drives so far within a day.

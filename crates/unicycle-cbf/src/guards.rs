@@ -9,34 +9,34 @@ use crate::settings::ControllerSettings;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Display)]
 #[non_exhaustive]
 pub enum MissingGuard {
-    /// [`Hardening::predict`](crate::Hardening::predict)
+    /// [`Hardening::predict`](crate::settings::Hardening::predict)
     #[strum(
         to_string = "no prediction: it takes a robot to be where it was when the pose was made"
     )]
     Prediction,
-    /// [`Hardening::sampling_margin`](crate::Hardening::sampling_margin)
+    /// [`Hardening::sampling_margin`](crate::settings::Hardening::sampling_margin)
     #[strum(to_string = "no margin for what happens between two steps")]
     SamplingMargin,
     /// Bounds on the noise of positions and headings
     #[strum(to_string = "no margin for noise of the poses")]
     NoiseMargin,
-    /// [`Hardening::wheel_error`](crate::Hardening::wheel_error)
+    /// [`Hardening::wheel_error`](crate::settings::Hardening::wheel_error)
     #[strum(to_string = "no margin for wheels that are not as fast as they are told")]
     WheelMargin,
-    /// [`Hardening::wheel_rows`](crate::Hardening::wheel_rows)
+    /// [`Hardening::wheel_rows`](crate::settings::Hardening::wheel_rows)
     #[strum(
         to_string = "no rows for the wheels' limits: commands are clipped afterwards, which voids the guarantee"
     )]
     WheelRows,
-    /// [`Hardening::cautious_leader`](crate::Hardening::cautious_leader)
+    /// [`Hardening::cautious_leader`](crate::settings::Hardening::cautious_leader)
     #[strum(to_string = "no allowance for a robot ahead that has stopped since it was seen")]
     CautiousLeader,
-    /// [`Hardening::every_robot`](crate::Hardening::every_robot)
+    /// [`Hardening::every_robot`](crate::settings::Hardening::every_robot)
     #[strum(
         to_string = "no rows for the bodies of other robots: it knows the one before it in the list, as a point"
     )]
     EveryRobot,
-    /// [`Hardening::max_course_angle_rad`](crate::Hardening::max_course_angle_rad)
+    /// [`Hardening::max_course_angle_rad`](crate::settings::Hardening::max_course_angle_rad)
     #[strum(to_string = "no limit on the angle to the path: it may turn round")]
     CourseAngle,
     /// Exponential rows of the lane

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use crate::controller::{Controller, Safety};
 use crate::located::Located;
 use crate::path::PathPoint;
-use crate::path::span::Span;
+use crate::path::Span;
 use crate::pose::State;
 use crate::scenario::Scenario;
 

@@ -6,7 +6,7 @@ use std::alloc::System;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use unicycle_cbf::path::Path;
 use unicycle_cbf::{
-    Ahead, Controller, Pilot, Pose, Preset, Scenario, Speeds, StampedPose, Testbed,
+    Controller, Pilot, Pose, Preset, Scenario, Speeds, StampedPose, Testbed, pilot::Ahead,
 };
 
 #[global_allocator]

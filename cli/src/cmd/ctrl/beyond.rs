@@ -1,7 +1,7 @@
 //! Disturbances that are larger than what the controllers were told to expect.
 
 use testbed_sim::Disturbances;
-use unicycle_cbf::{Demands, Hardening};
+use unicycle_cbf::{Demands, settings::Hardening};
 
 /// A note with both numbers of each, where the settings would give a guarantee otherwise.
 pub(super) fn note(

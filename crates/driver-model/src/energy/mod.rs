@@ -4,7 +4,10 @@ mod input;
 mod score;
 
 use drive_log::Channel;
-use ev_energy::{Comparison, OperatingPoint, PowerAverager, PowerMean, TripEnergy, Vehicle};
+use ev_energy::{
+    OperatingPoint, TripEnergy, Vehicle,
+    comparison::{Comparison, PowerAverager, PowerMean},
+};
 use serde::Serialize;
 
 use crate::{Error, Motion, SlopeSource};

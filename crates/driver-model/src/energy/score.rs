@@ -1,4 +1,4 @@
-use ev_energy::Comparison;
+use ev_energy::comparison::Comparison;
 use serde::Serialize;
 
 use crate::statistics::median;

@@ -1,3 +1,5 @@
+//! Vehicles fitted to the measured battery power of trips.
+
 mod identification;
 mod parameter;
 mod problem;

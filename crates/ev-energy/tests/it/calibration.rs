@@ -1,8 +1,8 @@
 //! Parameters from power: the truth is found again, and what cannot be found is said.
 
 use ev_energy::{
-    Calibration, CalibrationTrip, Error, RoadLoadSpec, Trip, Vehicle, VehicleSpec, Weather,
-    calibrate, leave_one_out,
+    Error, RoadLoadSpec, Trip, Vehicle, VehicleSpec, Weather,
+    calibration::{Calibration, CalibrationTrip, calibrate, leave_one_out},
 };
 
 const STEP_S: f64 = 0.1;

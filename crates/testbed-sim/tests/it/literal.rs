@@ -2,8 +2,8 @@
 
 use testbed_sim::Summary;
 use unicycle_cbf::{
-    Brake, Controller, ControllerSettings, Input, Leader, Literal, Outcome, Pose, Preset, Scenario,
-    Speeds, State, Testbed,
+    Brake, Controller, ControllerSettings, Input, Leader, Outcome, Pose, Preset, Scenario, Speeds,
+    State, Testbed, settings::Literal,
 };
 
 use crate::runs::{THESIS, undisturbed};

@@ -28,7 +28,8 @@ mod error;
 mod grid;
 mod polar;
 mod search;
-pub(crate) mod span;
+mod span;
+pub use span::Span;
 mod spline;
 mod straight;
 

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use unicycle_cbf::cbf::LaneBarrier;
 use unicycle_cbf::path::Path;
 use unicycle_cbf::{
-    Centripetal, Controller, Deviation, Distance, Input, Leader, Lie, Preset, State, Testbed,
+    Centripetal, Controller, Input, Leader, Lie, Preset, State, Testbed, lateral::Deviation,
+    settings::Distance,
 };
 
 use crate::states::{controller, ellipse, state};

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use unicycle_cbf::{
-    Ahead, Brake, Controller, Input, Leader, Outcome, Pilot, Pose, Predictor, Preset, RowKind,
-    Speeds, StampedPose, State, Testbed,
+    Brake, Controller, Input, Leader, Outcome, Pilot, Pose, Predictor, Preset, RowKind, Speeds,
+    StampedPose, State, Testbed, pilot::Ahead,
 };
 
 use crate::states::{controller, state};

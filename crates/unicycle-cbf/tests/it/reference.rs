@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use unicycle_cbf::cbf::LaneBarrier;
-use unicycle_cbf::{Controller, Deviation, Leader, Preset, State, Testbed};
+use unicycle_cbf::{Controller, Leader, Preset, State, Testbed, lateral::Deviation};
 
 use crate::shared::shared;
 

@@ -1,6 +1,8 @@
 //! What scenarios refuse, and what they say.
 
-use unicycle_cbf::{Deviation, Error, PathSpec, Preset, Scenario, ScenarioSpec, Testbed, Tracker};
+use unicycle_cbf::{
+    Error, PathSpec, Preset, Scenario, ScenarioSpec, Testbed, Tracker, lateral::Deviation,
+};
 
 fn spec() -> ScenarioSpec {
     Testbed::Khepera.scenario("on-off", Preset::Thesis).unwrap()

@@ -7,8 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use testbed_sim::Disturbances;
 use unicycle_cbf::cbf::LaneBarrier;
 use unicycle_cbf::{
-    Body, Centripetal, ControllerSettings, Deviation, Distance, Hardening, HeadwaySettings,
-    LaneSettings, PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed, Tracker,
+    Body, Centripetal, ControllerSettings, PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed,
+    Tracker,
+    lateral::Deviation,
+    settings::{Distance, Hardening, HeadwaySettings, LaneSettings},
 };
 
 /// A scenario, and the disturbances that it states.

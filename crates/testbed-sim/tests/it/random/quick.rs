@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use testbed_sim::Disturbances;
 use unicycle_cbf::cbf::LaneBarrier;
 use unicycle_cbf::{
-    Body, Centripetal, Deviation, Distance, PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed,
-    Tracker,
+    Body, Centripetal, PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed, Tracker,
+    lateral::Deviation, settings::Distance,
 };
 
 use super::generator::{Draw, Drawn};

@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use testbed_sim::Disturbances;
-use unicycle_cbf::{Distance, PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed, Tracker};
+use unicycle_cbf::{
+    PathSpec, Preset, RobotSpec, ScenarioSpec, Testbed, Tracker, settings::Distance,
+};
 
 use super::generator::{Draw, Drawn};
 

@@ -2,7 +2,9 @@
 
 use testbed_sim::{RunSpec, Tick, Verdict};
 use unicycle_cbf::{
-    Deviation, Distance, HeadwaySettings, Preset, RobotSpec, Scenario, ScenarioSpec, State, Testbed,
+    Preset, RobotSpec, Scenario, ScenarioSpec, State, Testbed,
+    lateral::Deviation,
+    settings::{Distance, HeadwaySettings},
 };
 
 use super::{Driven, driven, hardened, then};

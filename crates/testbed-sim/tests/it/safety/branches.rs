@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use testbed_sim::{Disturbances, Simulation};
 use unicycle_cbf::path::Path;
-use unicycle_cbf::{Distance, PathSpec, RobotSpec, Scenario, ScenarioSpec, Testbed, Tracker};
+use unicycle_cbf::{
+    PathSpec, RobotSpec, Scenario, ScenarioSpec, Testbed, Tracker, settings::Distance,
+};
 
 use super::{driven, eight, hardened};
 

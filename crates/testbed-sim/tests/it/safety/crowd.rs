@@ -1,7 +1,7 @@
 //! Robots that have no room: they stand, and do not leave their lane to make way.
 
 use testbed_sim::{Disturbances, Verdict};
-use unicycle_cbf::{Body, Deviation, PathSpec, RobotSpec, ScenarioSpec, Testbed, Tracker};
+use unicycle_cbf::{Body, PathSpec, RobotSpec, ScenarioSpec, Testbed, Tracker, lateral::Deviation};
 
 use super::{driven, driven_with, eight, hardened, then};
 

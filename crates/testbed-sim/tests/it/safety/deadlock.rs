@@ -1,6 +1,6 @@
 //! Robots that wait for each other.
 
-use unicycle_cbf::{HeadwaySettings, RobotSpec, Testbed};
+use unicycle_cbf::{RobotSpec, Testbed, settings::HeadwaySettings};
 
 use super::{driven, hardened, then};
 

@@ -2,7 +2,8 @@
 
 use testbed_sim::Tick;
 use unicycle_cbf::{
-    Demands, Distance, HeadwaySettings, RobotSpec, RowKind, Scenario, ScenarioSpec, Testbed,
+    Demands, RobotSpec, RowKind, Scenario, ScenarioSpec, Testbed,
+    settings::{Distance, HeadwaySettings},
 };
 
 use super::{Driven, driven, eight, hardened};

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use testbed_sim::{Disturbances, Simulation};
 use unicycle_cbf::{
-    Deviation, Error, PathSpec, RobotSpec, Scenario, ScenarioSpec, Testbed, Tracker,
+    Error, PathSpec, RobotSpec, Scenario, ScenarioSpec, Testbed, Tracker, lateral::Deviation,
 };
 
 use super::hardened;
