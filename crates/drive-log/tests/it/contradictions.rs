@@ -2,7 +2,7 @@
 
 use drive_log::{Action, Channel, FindingKind, RawLog, check};
 
-use crate::plausibility::{assert_close, drive, only, times, without};
+use crate::made::{assert_close, drive, only, times, without};
 use crate::quality::{changed, kinds};
 use crate::{raw, read};
 

@@ -2,7 +2,7 @@
 
 use drive_log::{Action, Channel, FindingKind, Preparation, RawLog, check, prepare};
 
-use crate::plausibility::{drive, without};
+use crate::made::{drive, without};
 use crate::quality::{changed, kinds};
 
 /// Speed alone, a sample every `step_s`.

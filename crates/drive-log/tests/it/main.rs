@@ -16,6 +16,7 @@ mod heating;
 mod held;
 mod hostile;
 mod layouts;
+mod made;
 mod odd_rows;
 mod parquet_columns;
 mod plausibility;

@@ -2,7 +2,7 @@
 
 use drive_log::{Action, Channel, FindingKind, RawLog, check};
 
-use crate::plausibility::{drive, only, times, without};
+use crate::made::{drive, only, times, without};
 use crate::quality::changed;
 use crate::raw;
 
