@@ -47,8 +47,8 @@ use testbed_sim::timing;
 
 pub use error::Error;
 pub use path_file::PathFile;
-pub use run_file::{LoggedRun, RunFile};
-pub use shadow::{Lane, Shadow, scenario_of, shadow};
+pub use run_file::{Judged, LoggedRun, RunFile};
+pub use shadow::{Lane, Shadow, lengthen, scenario_of, shadow};
 
 /// The examples of the README.
 #[cfg(doctest)]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use testbed_sim::{Disturbances, RunFigures, RunSpec, Summary, Tick};
+use testbed_sim::{Disturbances, RunFigures, RunSpec, Summary, Tick, Verdict};
 use unicycle_cbf::{Scenario, ScenarioSpec};
 
 use crate::error::Error;
@@ -34,6 +34,18 @@ pub struct LoggedRun {
     pub ticks: Vec<Tick>,
     /// The wall clock at 0 s, in s since 1970; none where there is none
     pub started_unix_s: Option<f64>,
+    /// How a session on real robots was judged; none where there was none
+    pub judged: Option<Judged>,
+}
+
+/// Whether a session on real robots was safe, by all that was seen: also poses that came late, and what robots did after the last command.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// What is known
+    pub verdict: Verdict,
+    /// Why it is not known
+    #[serde(default)]
+    pub doubts: Vec<String>,
 }
 
 impl RunFile {
@@ -69,6 +81,7 @@ impl RunFile {
             spec: self.clone(),
             ticks: run.ticks,
             started_unix_s: None,
+            judged: None,
         };
         Ok((run, summary))
     }

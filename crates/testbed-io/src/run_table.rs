@@ -1,5 +1,7 @@
 //! A run as a table of columns: what was seen, what was decided and, in simulations, what was true; and such a table as a run log.
 
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 use testbed_sim::columns::{ALLOWED, DECIDED, DISBELIEVED, KNOWN, LANE_ROW, MISPLACED, Read, SEEN};
 use testbed_sim::run_log::{LoggedTick, RealRobots};
 use testbed_sim::{RunLog, Tick};
@@ -7,10 +9,13 @@ use unicycle_cbf::{Pose, StampedPose, State};
 
 use crate::error::Error;
 use crate::log_file::{Column, LogTable, Values};
-use crate::run_file::{LoggedRun, RunFile};
+use crate::run_file::{Judged, LoggedRun, RunFile};
 
 /// Its name in logs of before, in which it could be taken for the barrier of the true place.
 const LANE_ROW_BEFORE: &str = "h_lane";
+
+/// Its key among the settings of a log.
+const JUDGED: &str = "judged";
 
 impl LoggedRun {
     /// As columns for a file.
@@ -23,7 +28,11 @@ impl LoggedRun {
             half_width_m: self.spec.half_width_m(),
             started_unix_s: self.started_unix_s,
         };
-        LogTable::new(&self.spec.to_json()?, columns.of(&self.ticks))
+        let mut meta = self.spec.to_json()?;
+        if let Some(judged) = &self.judged {
+            meta = with_judged(&meta, judged)?;
+        }
+        LogTable::new(&meta, columns.of(&self.ticks))
     }
 }
 
@@ -72,6 +81,16 @@ fn column(name: &str, values: Values) -> Column {
 }
 
 impl LogTable {
+    /// How the session was judged that it is of, if it says so.
+    ///
+    /// # Errors
+    ///
+    /// A log that holds no settings.
+    pub fn judged(&self) -> Result<Option<Judged>, Error> {
+        let judged = object(self.meta())?.remove(JUDGED);
+        judged.map(from_value).transpose()
+    }
+
     /// The run log that it is, ready to be replayed.
     ///
     /// # Errors
@@ -79,8 +98,9 @@ impl LogTable {
     /// Columns that are missing or of another type, or settings that cannot be read.
     pub fn run_log(&self) -> Result<RunLog, Error> {
         let table = self;
-        let spec: RunFile =
-            serde_json::from_str(table.meta()).map_err(|e| Error::Meta(e.to_string()))?;
+        let mut meta = object(table.meta())?;
+        meta.remove(JUDGED);
+        let spec: RunFile = from_value(Value::Object(meta))?;
         let ticks = integers(table, "tick")?;
         let robots = integers(table, "robot")?;
         let times_s = floats(table, "time_s")?;
@@ -205,4 +225,20 @@ fn place(columns: &[&[f64]; 4], row: usize) -> Option<State> {
         turn_rate_rad_s: 0.0,
     };
     state.is_finite().then_some(state)
+}
+
+fn with_judged(meta: &str, judged: &Judged) -> Result<String, Error> {
+    let error = |e: serde_json::Error| Error::Meta(e.to_string());
+    let mut meta = object(meta)?;
+    let judged = serde_json::to_value(judged).map_err(error)?;
+    meta.insert(JUDGED.to_owned(), judged);
+    serde_json::to_string(&meta).map_err(error)
+}
+
+fn object(meta: &str) -> Result<Map<String, Value>, Error> {
+    serde_json::from_str(meta).map_err(|e| Error::Meta(e.to_string()))
+}
+
+fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, Error> {
+    serde_json::from_value(value).map_err(|e| Error::Meta(e.to_string()))
 }

@@ -48,15 +48,11 @@ pub fn scenario_of(
     };
     let mut controller = settings;
     controller.lane.half_width_m = 0.9 * radius_m;
-    let end_s = recording
-        .robots
-        .iter()
-        .filter_map(|robot| robot.poses.last());
     Ok(ScenarioSpec {
         name: "recorded".to_owned(),
         testbed: testbed.name().to_owned(),
         rate_hz: testbed.rate_hz(),
-        duration_s: end_s.map(|pose| pose.time_s).fold(1.0, f64::max),
+        duration_s: recording.end_s().max(1.0),
         path: PathSpec::Closed {
             points_m: (0..64).map(point).collect(),
         },
@@ -68,6 +64,12 @@ pub fn scenario_of(
             .map(|place| RobotSpec::steady(place as f64 / recording.robots.len() as f64, 0.2))
             .collect(),
     })
+}
+
+/// Lengthens a scenario to all of a recording; gives the duration that it had, in s, where it was shorter.
+pub fn lengthen(spec: &mut ScenarioSpec, recording: &Recording) -> Option<f64> {
+    let (had_s, end_s) = (spec.duration_s, recording.end_s());
+    (had_s < end_s).then(|| std::mem::replace(&mut spec.duration_s, end_s))
 }
 
 /// Whose lane recorded robots are judged by.

@@ -96,6 +96,12 @@ impl<'a> Measured<'a> {
         Some(safety.deviation_m)
     }
 
+    /// The newest believed pose of each robot, by stamp.
+    #[must_use]
+    pub fn poses(&self) -> &[Option<StampedPose>] {
+        &self.poses
+    }
+
     /// The session is over.
     pub fn over(&mut self, time_s: f64, told_m: impl Fn(usize, f64) -> f64 + Copy) {
         let way_m = most_way_m(self.scenario, self.is_told, told_m);

@@ -11,6 +11,12 @@ pub const BESIDE_S: f64 = 0.3;
 /// are compared with commands.
 const COMPARED_S: f64 = 0.8;
 
+/// A robot that is not seen may not have heard anything either, and go on as it was told over this time before, in s.
+const GOES_ON_S: f64 = 0.2;
+
+/// A robot that is seen again has heard its commands if it is no farther from where it was seen than they led it and this, in m.
+const HEARD_M: f64 = 0.05;
+
 /// A pose that is believed.
 #[derive(Debug, Clone, Copy)]
 pub struct Glimpse {
@@ -33,6 +39,8 @@ pub struct Sights {
     most_mps: f64,
     robots: Vec<Sight>,
     doubts: Vec<Doubt>,
+    /// Of robots that are not seen, if they do not hear; forgotten where it is seen that they did
+    unheard: Vec<(usize, Doubt)>,
 }
 
 /// What was seen of one.
@@ -58,6 +66,7 @@ impl Sights {
             most_mps,
             robots: vec![Sight::default(); robots],
             doubts: Vec::new(),
+            unheard: Vec::new(),
         }
     }
 
@@ -75,11 +84,20 @@ impl Sights {
         if started {
             self.check(robot, seen.stamp_s, way_m);
             self.check_before(robot, &seen);
+            self.hears(robot, &seen, way_m);
         }
         let most_age_s = self.most_age_s;
         self.robots[robot].take(seen, way_m(robot, seen.stamp_s), most_age_s);
         if started {
             self.check(robot, seen.stamp_s, way_m);
+        }
+    }
+
+    /// Robots are told to stand: from now on nobody acts on poses.
+    pub fn stopped(&mut self, time_s: f64) {
+        for sight in &mut self.robots {
+            sight.add_gap(time_s, self.most_age_s);
+            sight.usable_s = f64::INFINITY;
         }
     }
 
@@ -91,6 +109,31 @@ impl Sights {
             if self.robots[robot].last.is_none() {
                 self.doubt(Doubt::NeverSeen(robot));
             }
+        }
+        for (_, doubt) in std::mem::take(&mut self.unheard) {
+            self.doubt(doubt);
+        }
+    }
+
+    /// A robot that is seen again: whether it heard meanwhile.
+    fn hears(&mut self, robot: usize, seen: &Glimpse, way_m: impl Fn(usize, f64) -> f64) {
+        let Some((from, before_m)) = self.robots[robot].last else {
+            return;
+        };
+        let told_m = way_m(robot, seen.stamp_s) - before_m;
+        let has_heard = distance_m(from.place_m, seen.place_m) <= told_m + HEARD_M;
+        let (own, others) = std::mem::take(&mut self.unheard)
+            .into_iter()
+            .partition::<Vec<_>, _>(|(of, _)| *of == robot);
+        self.unheard = others;
+        for (_, doubt) in own.into_iter().filter(|_| !has_heard) {
+            self.doubt(doubt);
+        }
+    }
+
+    fn doubt_unheard(&mut self, robot: usize, doubt: Doubt) {
+        if !self.unheard.contains(&(robot, doubt)) {
+            self.unheard.push((robot, doubt));
         }
     }
 
@@ -131,20 +174,26 @@ impl Sights {
             } else {
                 Doubt::LaneAtWill(robot)
             });
+        } else if is_unseen && own.unheard_m > own.from.clearance_m.max(0.0) {
+            self.doubt_unheard(robot, Doubt::LaneUnheard(robot));
         }
         for other in (0..self.robots.len()).filter(|other| *other != robot) {
             let Some(theirs) = self.reach(other, until_s, way_m) else {
                 continue;
             };
-            let apart_m = distance_m(own.from.place_m, theirs.from.place_m);
+            let apart_m = distance_m(own.from.place_m, theirs.from.place_m) - self.least_distance_m;
             let is_unseen = until_s - own.from.stamp_s.min(theirs.from.stamp_s) > BESIDE_S;
-            if is_unseen && apart_m - own.way_m - theirs.way_m < self.least_distance_m {
-                let pair = [robot.min(other), robot.max(other)];
+            let pair = [robot.min(other), robot.max(other)];
+            if is_unseen && apart_m < own.way_m + theirs.way_m {
                 self.doubt(if own.is_known && theirs.is_known {
                     Doubt::Touch(pair)
                 } else {
                     Doubt::TouchAtWill(pair)
                 });
+            } else if is_unseen && apart_m < own.unheard_m + theirs.unheard_m {
+                let is_older = own.from.stamp_s <= theirs.from.stamp_s;
+                let unseen = if is_older { robot } else { other };
+                self.doubt_unheard(unseen, Doubt::TouchUnheard(pair));
             }
         }
     }
@@ -180,14 +229,23 @@ impl Sights {
         let (from, before_m) = sight.last?;
         let is_seldom = until_s - from.stamp_s > self.most_age_s;
         let is_known = !is_seldom || from.stamp_s - sight.steady_from_s >= COMPARED_S;
-        let way_m = if is_known {
-            way_m(robot, until_s) - before_m
+        let unseen_s = until_s - from.stamp_s.max(0.0);
+        let (way_m, unheard_m) = if is_known {
+            let told_m = way_m(robot, until_s) - before_m;
+            let lately_m = before_m - way_m(robot, from.stamp_s - GOES_ON_S);
+            let unheard_m = if is_seldom {
+                lately_m / GOES_ON_S * unseen_s
+            } else {
+                0.0
+            };
+            (told_m, told_m.max(unheard_m))
         } else {
-            self.most_mps * (until_s - from.stamp_s.max(0.0))
+            (self.most_mps * unseen_s, self.most_mps * unseen_s)
         };
         Some(Reach {
             from,
             way_m,
+            unheard_m,
             is_known,
         })
     }
@@ -197,6 +255,8 @@ impl Sights {
 struct Reach {
     from: Glimpse,
     way_m: f64,
+    /// The same if it goes on as it did and hears nothing
+    unheard_m: f64,
     /// It does as it is told, as far as anybody knows
     is_known: bool,
 }
@@ -282,13 +342,14 @@ mod tests {
 
     #[test]
     fn robots_that_can_have_touched_unseen_are_doubted() {
-        // Each can have gone 0.1 m by then, or 0.2 m where neither is seen again.
+        // Each can have gone 0.1 m by then, or 0.2 m where neither is seen again, and 0.4 m if it hears nothing.
         for (apart_m, again, touch) in [
             (0.45, [true, true], false),
             (0.25, [true, true], true),
             (0.35, [true, false], true),
             (0.45, [false, false], true),
-            (0.55, [false, false], false),
+            (0.85, [false, false], true),
+            (0.95, [false, false], false),
         ] {
             let mut sights = Sights::new(2, 0.3, 0.1, 0.1);
             let x_m = |robot: usize| apart_m * robot as f64;
@@ -302,7 +363,9 @@ mod tests {
                 sights.over(4.0, way_m);
             }
             // Whoever is seen once after a break is not known to do as it is told.
-            let [Doubt::Touch([0, 1]) | Doubt::TouchAtWill([0, 1])] = sights.doubts() else {
+            let [Doubt::Touch([0, 1]) | Doubt::TouchAtWill([0, 1]) | Doubt::TouchUnheard([0, 1])] =
+                sights.doubts()
+            else {
                 assert!(
                     !touch && sights.doubts().is_empty(),
                     "{apart_m} m, {again:?}"
@@ -310,6 +373,25 @@ mod tests {
                 continue;
             };
             assert!(touch, "{apart_m} m, {again:?}");
+        }
+    }
+
+    /// It was told to stand at 2 s; at 9 s it can be 0.9 m farther if it did not hear.
+    #[test]
+    fn a_robot_that_is_seen_again_where_it_was_led_has_heard() {
+        for (again_m, doubts) in [
+            (Some(0.2), &[][..]),
+            (Some(0.5), &[Doubt::LaneUnheard(0)][..]),
+            (None, &[Doubt::LaneUnheard(0)][..]),
+        ] {
+            let mut sights = Sights::new(1, 0.3, 0.1, 0.1);
+            steady(0, 0.0, 0.4, &mut sights);
+            let told_m = |robot: usize, until_s: f64| way_m(robot, until_s.max(-1.0));
+            if let Some(again_m) = again_m {
+                sights.saw(0, glimpse(9.0, again_m, 0.4), told_m);
+            }
+            sights.over(9.0, told_m);
+            assert_eq!(sights.doubts(), doubts, "{again_m:?}");
         }
     }
 

@@ -1,10 +1,10 @@
 //! Whether a run was safe: by the bodies of all robots and by their lanes, as far as it was seen.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use unicycle_cbf::{Controller, Located, Safety, State, Tracks};
 
 /// What is known of the safety of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// No robot left its lane, came nearer to another than their bodies and the clearance need, or lost its headway

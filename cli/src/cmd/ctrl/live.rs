@@ -13,7 +13,7 @@ use live_view::{NewestPlaces, Snapshot, View};
 use serde::Serialize;
 use testbed_io::live::{Ending, LinkSpec, LinkTemplate, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
-use testbed_io::{LoggedRun, RunFile};
+use testbed_io::{Judged, LoggedRun, RunFile};
 use testbed_sim::Summary;
 use unicycle_cbf::Scenario;
 
@@ -162,6 +162,10 @@ impl LiveSession<'_> {
             spec: self.spec.clone(),
             ticks: kept,
             started_unix_s,
+            judged: Some(Judged {
+                verdict: summary.verdict,
+                doubts: report.doubts.clone(),
+            }),
         };
         Ok((run, summary, report))
     }

@@ -4,7 +4,7 @@ use clap::Args;
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
-use testbed_io::{Lane, RunFile, Shadow, scenario_of, shadow};
+use testbed_io::{Lane, RunFile, Shadow, lengthen, scenario_of, shadow};
 use testbed_sim::summary::outcomes_of;
 use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
@@ -75,13 +75,21 @@ struct Again<'a> {
 }
 
 fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Outcome> {
-    let log = log_file::read(file)?.run_log()?;
-    let replay = log.replay()?;
+    let table = log_file::read(file)?;
+    let session = table.judged()?;
+    let log = table.run_log()?;
+    let mut replay = log.replay()?;
     anyhow::ensure!(
         replay.decisions > 0,
         "{}: there is no whole step in it, so that nothing was compared",
         file.display()
     );
+    if let Some(session) = &session
+        && replay.verdict == Verdict::Safe
+    {
+        replay.verdict = session.verdict;
+        replay.doubts.clone_from(&session.doubts);
+    }
     let body = Again {
         scenario: &log.scenario.name,
         testbed: &log.scenario.testbed,
@@ -125,6 +133,9 @@ fn judged(replay: &Replay) -> String {
     let verdict = match (replay.verdict, replay.first_unsafe_s) {
         (Verdict::Safe, _) => "the robots were safe at the steps of the log".to_owned(),
         (_, Some(time_s)) => format!("the robots were UNSAFE from {time_s:.2} s on"),
+        (Verdict::Unsafe, None) => {
+            "the robots were UNSAFE by what the session saw between the steps of the log, or after its last command".to_owned()
+        }
         (_, None) => format!(
             "NOT KNOWN whether the robots were safe: {}",
             why_not_known(&replay.doubts)
@@ -184,7 +195,17 @@ fn beside(
 ) -> anyhow::Result<Outcome> {
     let recording = recorded::read_recording(files, layout)?;
     let (spec, lane) = match &args.scenario {
-        Some(file) => (RunFile::read(file)?.scenario, Lane::Given),
+        Some(file) => {
+            let mut spec = RunFile::read(file)?.scenario;
+            if let Some(had_s) = lengthen(&mut spec, &recording) {
+                let text = format!(
+                    "the scenario lasts {had_s} s and the recording {:.1} s: all of it is judged",
+                    spec.duration_s
+                );
+                output::note(context, &text);
+            }
+            (spec, Lane::Given)
+        }
         None => {
             let settings = args.testbed.scenario("straight", args.preset)?.controller;
             let spec = scenario_of(&recording, args.testbed, settings)?;

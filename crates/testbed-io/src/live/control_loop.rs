@@ -7,7 +7,7 @@ use testbed_sim::sight::Doubt;
 use testbed_sim::summary::Summarising;
 use testbed_sim::tick::Watched;
 use testbed_sim::{Convoy, Summary, Tick};
-use unicycle_cbf::{Scenario, StampedPose};
+use unicycle_cbf::{Scenario, Speeds, StampedPose};
 
 use super::commands::{Command, Silence};
 use super::disbelieved::Contradictions;
@@ -25,6 +25,13 @@ use crate::error::Error;
 const WAITING: Duration = Duration::from_secs(2);
 /// Poses in a row that agree, after which a robot is where they say.
 const AGREEING: u32 = 5;
+/// A recording that lacks less than this of the scenario is whole, in s.
+const SHORT_S: f64 = 0.5;
+/// After the command to stand robots are watched for this time, and stand after this part of it, in s.
+const WATCHED_S: f64 = 0.9;
+const STANDS_AFTER_S: f64 = 0.45;
+/// Farther than this, in m, nobody who stands is measured from where he was.
+const STANDING_M: f64 = 0.015;
 
 /// The loop of one session.
 pub(super) struct ControlLoop<'a> {
@@ -170,6 +177,7 @@ impl<'a> ControlLoop<'a> {
                 last_pose_s = time_s;
             }
             if self.link.is_recording() && self.link.has_ended() {
+                self.report_short(time_s, update);
                 return Ending::Finished;
             }
             if let Some(loss) = self.lost(time_s, time_s - last_pose_s, lost_after_s) {
@@ -184,7 +192,15 @@ impl<'a> ControlLoop<'a> {
         ending: Ending,
         update: &mut impl FnMut(Update),
     ) -> (Summary, LiveReport) {
+        let stopped_s = self.pacer.now_s();
+        let watches = self.is_watched();
+        if watches {
+            self.judge.sights().stopped(stopped_s);
+        }
         let untold = self.link.stop();
+        if watches {
+            self.watch_stand(stopped_s);
+        }
         self.pass_notes(update);
         self.judge_arrived();
         for robot in 0..self.convoy.robots() {
@@ -208,6 +224,9 @@ impl<'a> ControlLoop<'a> {
                 .iter()
                 .map(|id| format!("robot {id} may not have got the command to stand")),
         );
+        if let Ending::Lost(loss) = &ending {
+            doubts.push(format!("the link was lost: {loss}"));
+        }
         if !doubts.is_empty() {
             self.summary.doubt();
         }
@@ -226,9 +245,49 @@ impl<'a> ControlLoop<'a> {
         (self.summary.finished(), report)
     }
 
+    /// Whether real robots were driven, that can be seen to stand.
+    fn is_watched(&self) -> bool {
+        self.link.is_told() && !self.link.is_recording() && self.pacer.has_begun()
+    }
+
+    /// Whether robots stand once they are told to, as far as it is seen.
+    fn watch_stand(&mut self, stopped_s: f64) {
+        for robot in 0..self.convoy.robots() {
+            self.watch.told(robot, stopped_s, Speeds::ZERO);
+        }
+        let mut from: Vec<Option<StampedPose>> = Vec::new();
+        while self.now_s < stopped_s + WATCHED_S && !self.link.has_ended() {
+            std::thread::sleep(Duration::from_millis(10));
+            self.now_s = self.pacer.now_s();
+            self.judge_arrived();
+            if from.is_empty() && self.now_s >= stopped_s + STANDS_AFTER_S {
+                from = self.judge.poses().to_vec();
+            }
+        }
+        let noise_m = self.scenario.spec().controller.hardening.position_noise_m;
+        let still_m = STANDING_M + 4.0 * noise_m;
+        for (robot, from) in from.into_iter().enumerate() {
+            let seen = from.zip(self.judge.poses()[robot]);
+            let moved = seen.is_some_and(|(from, to)| {
+                from.stamp_s >= stopped_s
+                    && (to.pose.x_m - from.pose.x_m).hypot(to.pose.y_m - from.pose.y_m) > still_m
+            });
+            if moved {
+                self.judge.sights().doubt(Doubt::GoesOn(robot));
+            }
+        }
+    }
+
     fn pass_notes(&self, update: &mut impl FnMut(Update)) {
         for note in self.link.inbox.notes() {
             update(Update::Note(&Note::Receiver(note)));
+        }
+    }
+
+    fn report_short(&self, at_s: f64, update: &mut impl FnMut(Update)) {
+        let duration_s = self.scenario.spec().duration_s;
+        if at_s + SHORT_S < duration_s {
+            update(Update::Note(&Note::RecordingEnds { at_s, duration_s }));
         }
     }
 

@@ -15,6 +15,13 @@ pub enum Note {
     },
     /// The system gives the loop no priority over other programs
     NoRealTimePriority,
+    /// The recording that is played is shorter than the scenario
+    RecordingEnds {
+        /// In s
+        at_s: f64,
+        /// Of the scenario, in s
+        duration_s: f64,
+    },
     /// No pose of a robot can be acted on: it and those behind it stand
     OutOfSight {
         /// Which

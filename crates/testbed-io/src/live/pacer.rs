@@ -57,6 +57,16 @@ impl Pacer {
         self.start_s
     }
 
+    /// The loop's time, in s.
+    pub(super) fn now_s(&self) -> f64 {
+        self.clock.now_s() - self.start_s
+    }
+
+    /// Whether there was a deadline.
+    pub(super) fn has_begun(&self) -> bool {
+        !self.late_s.is_empty()
+    }
+
     /// Waits for the next deadline; gives the time since the start and how late it is, in s.
     pub(super) fn wait(&mut self) -> (f64, f64) {
         let due_s = self.next as f64 * self.period_s;

@@ -10,6 +10,10 @@ impl Display for Note {
         match self {
             Self::Receiver(text) => out.write_str(text),
             Self::WaitingForPoses { ids } => write!(out, "waiting for poses of {}", names(ids)),
+            Self::RecordingEnds { at_s, duration_s } => write!(
+                out,
+                "the recording ends at {at_s:.1} of {duration_s:.1} s: nothing is known of the rest"
+            ),
             Self::NoRealTimePriority => out.write_str(
                 "no permission for real-time priority: on a busy computer steps may be late; see the page on testbeds",
             ),

@@ -111,6 +111,7 @@ fn each_record(
 ) -> Result<End, Flaw> {
     let mut reader = LinearReader::new_with_options(options.with_record_length_limit(MAX_RECORD));
     let mut rest = bytes;
+    let mut has_broken_off = false;
     while let Some(event) = reader.next_event() {
         match event {
             Ok(LinearReadEvent::ReadRequest(need)) => {
@@ -130,6 +131,7 @@ fn each_record(
                     Err(error) => return Ok(End::of(&error, bytes, bytes.len() - rest.len())),
                 };
                 if take(record)?.is_break() {
+                    has_broken_off = true;
                     break;
                 }
             }
@@ -139,6 +141,11 @@ fn each_record(
             }
             Err(error) => return Ok(End::of(&error, bytes, bytes.len() - rest.len())),
         }
+    }
+    let after = if has_broken_off { 0 } else { rest.len() };
+    if after > 0 {
+        let found = format!("{after} bytes after its end: another file, or none");
+        return Ok(End::Damaged(found));
     }
     Ok(End::Whole)
 }

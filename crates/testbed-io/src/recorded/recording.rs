@@ -35,6 +35,15 @@ pub struct Recording {
     pub robots: Vec<RecordedRobot>,
 }
 
+impl Recording {
+    /// The time of the last pose of any robot, in s.
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        let last = self.robots.iter().filter_map(|robot| robot.poses.last());
+        last.map(|pose| pose.time_s).fold(0.0, f64::max)
+    }
+}
+
 /// Something odd about a robot's poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {

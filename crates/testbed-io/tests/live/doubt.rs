@@ -77,6 +77,7 @@ impl Driven {
             link: Some(self.link.clone()),
         };
         let run = LoggedRun {
+            judged: None,
             spec,
             ticks: self.ticks.clone(),
             started_unix_s: None,
@@ -213,6 +214,19 @@ fn poses_that_are_always_late_are_recognised_by_the_motion() {
     let driven = Driven::new("on-off", 7.0, faults);
     assert!(driven.named_at_s("0.60 s later than is stated") < 4.0);
     driven.stays();
+}
+
+#[test]
+fn robots_that_do_not_hear_the_last_command_are_not_called_safe() {
+    let faults = Faults {
+        deaf_after_s: 5.8,
+        ..Faults::NONE
+    };
+    let driven = Driven::new("on-off", 6.0, faults);
+    let (summary, report) = driven.ended.as_ref().unwrap();
+    assert_ne!(summary.verdict, Verdict::Safe, "{report:?}");
+    let named = |doubt: &String| doubt.contains("go on after the command to stand");
+    assert_eq!(report.doubts.iter().filter(|doubt| named(doubt)).count(), 2);
 }
 
 #[test]

@@ -30,6 +30,8 @@ pub struct Faults {
     pub late_s: f64,
     /// From when to when poses and commands are held up; then all poses come, with true stamps
     pub held_up_s: [f64; 2],
+    /// From when on robots hear no command
+    pub deaf_after_s: f64,
     /// From when on the tracker says that the last robot is on the first
     pub on_first_after_s: f64,
     /// From when on the last robot is measured elsewhere, and by how much in x and y, in m
@@ -57,6 +59,7 @@ impl Faults {
         exchanged: [false; 2],
         late_s: 0.0,
         held_up_s: [f64::INFINITY; 2],
+        deaf_after_s: f64::INFINITY,
         on_first_after_s: f64::INFINITY,
         elsewhere_after_s: f64::INFINITY,
         elsewhere_m: [0.0; 2],
@@ -171,7 +174,8 @@ impl Robots {
     }
 
     fn hear(&self, packet: &[u8]) {
-        if self.is_held_up() {
+        let is_deaf = self.start.elapsed().as_secs_f64() >= self.faults.deaf_after_s;
+        if is_deaf || self.is_held_up() {
             return;
         }
         for command in packet

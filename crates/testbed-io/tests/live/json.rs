@@ -71,6 +71,7 @@ fn a_recording_is_played_fast_and_in_real_time() {
         link: Some(first),
     };
     let table = LoggedRun {
+        judged: None,
         spec: run_spec,
         ticks,
         started_unix_s: None,

@@ -13,6 +13,12 @@ pub enum Doubt {
     LaneAtWill(usize),
     /// The same as [`Doubt::Touch`] where one of them is such a robot
     TouchAtWill([usize; 2]),
+    /// It can have left its lane unseen if it heard no command either and went on
+    LaneUnheard(usize),
+    /// They can have touched while one of them was not seen and heard no command
+    TouchUnheard([usize; 2]),
+    /// It goes on after the command to stand
+    GoesOn(usize),
     /// Its poses said for long that it is where it cannot be
     Disbelieved(usize),
     /// It was found to be off where it is taken to be by more than there was to the edge of its lane
@@ -52,6 +58,19 @@ impl Doubt {
                 "robots {} and {} were seen too seldom to know that they do as they are told, and were unseen for longer than their wheels need to each other",
                 id(a),
                 id(b)
+            ),
+            Self::LaneUnheard(robot) => format!(
+                "robot {} was not seen any more: if it heard no command either, it can have gone on and left its lane",
+                id(robot)
+            ),
+            Self::TouchUnheard([a, b]) => format!(
+                "one of robots {} and {} was not seen any more: if it heard no command either, it can have gone on and touched the other",
+                id(a),
+                id(b)
+            ),
+            Self::GoesOn(robot) => format!(
+                "robot {} was seen to go on after the command to stand: STOP IT BY HAND",
+                id(robot)
             ),
             Self::Misplaced(robot) => format!(
                 "robot {} was measured beside where it was by more than there was to the edge of its lane",
