@@ -116,7 +116,11 @@ pub(crate) fn run(args: &CampaignArgs, context: &Context) -> anyhow::Result<Outc
     }
     match context.format {
         Format::Json => output::print_json(&document)?,
-        Format::Text => output::print_text(&text(&report, &document.body.violations))?,
+        Format::Text => output::print_text(&text(
+            &report,
+            &document.body.violations,
+            &document.body.refused,
+        ))?,
     }
     let safe = report
         .totals
@@ -283,7 +287,7 @@ fn table(
     table.render()
 }
 
-fn text(report: &CampaignReport, violations: &[Listed]) -> String {
+fn text(report: &CampaignReport, violations: &[Listed], refused: &[Refused]) -> String {
     let totals = report.totals.iter().map(|total| {
         let names = [total.preset.name(), total.disturbance.name()];
         (names.map(str::to_owned).to_vec(), cells(&total.tally))
@@ -306,8 +310,15 @@ fn text(report: &CampaignReport, violations: &[Listed]) -> String {
     } else {
         format!("Unsafe runs, at most twenty of each kind:\n{listed}")
     };
+    let refused = match refused.len() {
+        0 => String::new(),
+        count => format!(
+            "Not run, as no speed fits: {}.\n",
+            plural(count, "scenario")
+        ),
+    };
     format!(
-        "{}\n{}\n{listed}\n{}, {:.0} s simulated in {} s: {} s per s\n",
+        "{}\n{}\n{listed}{refused}\n{}, {:.0} s simulated in {} s: {} s per s\n",
         table(&["preset", "disturbance"], totals),
         table(&["preset", "disturbance", "testbed", "scenario"], rows),
         plural(report.runs, "run"),
