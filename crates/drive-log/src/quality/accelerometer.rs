@@ -23,6 +23,10 @@ const UNRELATED: f64 = 0.3;
 /// One that follows so closely is along the car.
 const FOLLOWS_CLOSELY: f64 = 0.85;
 
+/// An accelerometer whose scale is off by no more than this share is left out where nothing tells whether the times are off instead:
+/// the energy is then wrong by little.
+const MILD: f64 = 0.25;
+
 /// Tolerance of a factor, on top of three standard errors: 33 trips of a BMW i3 have 0.95 to 1.06.
 const TOLERANCE: f64 = 0.15;
 const ERRORS: f64 = 3.0;
@@ -51,14 +55,26 @@ pub(super) fn mend(checked: &mut Checked) {
     }
     let mut spans = moving_spans(&checked.log);
     spans.retain(|span| span.accel_mps2.abs() < JUMP_MPS2);
-    let lively = mean(spans.iter().map(|span| span.accel_mps2.powi(2)));
-    if spans.len() < SECONDS || lively.is_none_or(|square| square < LIVELY_MPS2.powi(2)) {
+    if spans.len() < SECONDS || !is_lively(checked, &spans) {
         return;
     }
     shift(checked, &spans);
     if scale(checked, &spans) {
         level(checked, &spans);
     }
+}
+
+/// Whether the car changes its speed; or, by an accelerometer that follows closely, more than times that are too slow make it.
+fn is_lively(checked: &Checked, spans: &[Span]) -> bool {
+    let deviates = |values: &[f64], middle: f64| {
+        mean(values.iter().map(|a| (a - middle).powi(2)))
+            .is_some_and(|square| square >= LIVELY_MPS2.powi(2))
+    };
+    let pairs = pairs(checked, spans, 0);
+    let felt: Vec<f64> = pairs.iter().map(|(_, felt)| *felt).collect();
+    let middle = mean(felt.iter().copied()).unwrap_or(0.0);
+    let accels: Vec<f64> = spans.iter().map(|span| span.accel_mps2).collect();
+    deviates(&accels, 0.0) || deviates(&felt, middle) && correlation(&pairs) >= FOLLOWS_CLOSELY
 }
 
 /// Pairs of `dv/dt` and what the accelerometer says `late` samples later.
@@ -155,17 +171,21 @@ fn scale(checked: &mut Checked, spans: &[Span]) -> bool {
         );
     }
     match pace::by_battery(checked, share) {
-        Verdict::Wrong(why) => pace::refuse(checked, &format!("{figures}; {why}")),
-        Verdict::Right | Verdict::Open => {
-            return drop(
-                checked,
-                &format!(
-                    "{figures}: in another unit, or the times or speeds are off by that factor; check them"
-                ),
-            );
+        Verdict::Wrong(why) => {
+            pace::refuse(checked, &format!("{figures}; {why}"));
+            true
         }
+        Verdict::Open if !near(share, 1.0, MILD) => {
+            pace::refuse_either(checked, &figures);
+            true
+        }
+        Verdict::Right | Verdict::Open => drop(
+            checked,
+            &format!(
+                "{figures}: in another unit, or the times or speeds are off by that factor; check them"
+            ),
+        ),
     }
-    true
 }
 
 /// `false`: the channel is not there any more.

@@ -1,11 +1,11 @@
-//! Volts and amps that stop, wrap around or end at the range of their sensor.
+//! Volts, amps and accelerations that stop.
 
 use std::ops::Range;
 
 use super::checked::Checked;
 use super::motion::MOVING_MPS;
 use super::runs::constant_runs;
-use crate::statistics::{deviation, quantile};
+use crate::statistics::quantile;
 use crate::{Action, Channel, FindingKind};
 
 /// While the speed rises by so much, m/s, the current does not stay the same for so long, s: 0.1 s at most in 33 trips of a BMW
@@ -15,90 +15,15 @@ const CURRENT_S: f64 = 3.0;
 const VOLTAGE_S: f64 = 10.0;
 const CURRENT_CHANGE_A: f64 = 30.0;
 
+/// The share of a current's values at either end that may be spikes.
+const TAIL: f64 = 0.05;
+
 /// A channel is lively where under this share of the samples in motion repeats the one before, those of the stretch apart.
 const LIVELY_SHARE: f64 = 0.5;
 const LIVELY_SAMPLES: usize = 100;
 
 /// No battery in motion has less than this share of its median voltage.
 const DEAD_SHARE: f64 = 0.1;
-
-/// Counters of 16 bits at usual resolutions wrap around after so many amperes.
-const WRAPS_A: [f64; 6] = [65.536, 655.36, 1310.72, 1638.4, 3276.8, 6553.6];
-
-/// A jump is one of a turn within this share of it; how many there must be, and how many others over a share of a turn for each of
-/// them.
-const JUMP_OFF: f64 = 0.3;
-const WRAPS: usize = 4;
-const OTHER_JUMPS: f64 = 0.35;
-const OTHERS: f64 = 0.1;
-
-/// Takes the turns off a current whose counter wraps around.
-pub(super) fn unwrap_current(checked: &mut Checked) {
-    let Some(current_a) = checked.values(Channel::BatteryCurrent) else {
-        return;
-    };
-    let mut turns = WRAPS_A
-        .into_iter()
-        .filter_map(|wrap_a| Some((wrap_a, unwrapped(current_a, wrap_a)?)));
-    let Some((wrap_a, (jumps, unwrapped_a))) = turns.next() else {
-        return;
-    };
-    let detail = format!(
-        "{jumps} jumps by about {wrap_a} A, forth and back: a counter of 16 bit wraps around; turned back"
-    );
-    checked
-        .log
-        .channels
-        .insert(Channel::BatteryCurrent, unwrapped_a);
-    checked.report_all(
-        FindingKind::CurrentSign,
-        Channel::BatteryCurrent,
-        Action::Converted,
-        detail,
-    );
-}
-
-/// How often a current turns, and what it is without the turns, if its counter wraps around after `wrap_a`: large jumps are by about that
-/// much, and alternate.
-fn unwrapped(current_a: &[f64], wrap_a: f64) -> Option<(usize, Vec<f64>)> {
-    let (mut jumps, mut others) = (0_usize, 0_usize);
-    let (mut last_a, mut turns) = (f64::NAN, 0.0);
-    let mut turned = Vec::with_capacity(current_a.len());
-    for &a in current_a {
-        let jump = (a - last_a) / wrap_a;
-        if (1.0 - JUMP_OFF..1.0 + JUMP_OFF).contains(&jump.abs()) {
-            jumps += 1;
-            turns -= jump.signum();
-        } else if jump.abs() > OTHER_JUMPS {
-            others += 1;
-        }
-        if a.is_finite() {
-            last_a = a;
-        }
-        turned.push(turns);
-    }
-    let (least, most) = turned
-        .iter()
-        .fold((0.0_f64, 0.0_f64), |(least, most), turns| {
-            (least.min(*turns), most.max(*turns))
-        });
-    if jumps < WRAPS || others as f64 > OTHERS * jumps as f64 || most - least > 1.0 {
-        return None;
-    }
-    // whether the first sample was turned is told by the size of the rest
-    let without = |first: f64| -> Vec<f64> {
-        let pairs = current_a.iter().zip(&turned);
-        pairs
-            .map(|(a, turns)| a + (turns + first) * wrap_a)
-            .collect()
-    };
-    let size = |a: &Vec<f64>| deviation(a.iter().copied().filter(|a| a.is_finite()));
-    let smallest = [0.0, 1.0, -1.0]
-        .map(without)
-        .into_iter()
-        .min_by(|a, b| size(a).total_cmp(&size(b)))?;
-    Some((jumps, smallest))
-}
 
 /// Removes volts of nothing while the battery has some.
 pub(super) fn remove_dead_voltage(checked: &mut Checked) {
@@ -131,6 +56,16 @@ pub(super) fn remove_dead_voltage(checked: &mut Checked) {
     }
 }
 
+/// Removes an accelerometer that stays the same while the car accelerates.
+pub(super) fn remove_still_accelerometer(checked: &mut Checked) {
+    remove(
+        checked,
+        Channel::Accelerometer,
+        CURRENT_S,
+        |checked, run| rise(&checked.log.speed_mps()[run]) >= SPEED_RISE_MPS,
+    );
+}
+
 /// Removes a current that stays the same while the car accelerates, and a voltage while the current does.
 pub(super) fn remove_still(checked: &mut Checked) {
     remove(
@@ -146,7 +81,7 @@ pub(super) fn remove_still(checked: &mut Checked) {
         |checked, run| {
             checked
                 .values(Channel::BatteryCurrent)
-                .is_some_and(|current_a| range(&current_a[run]) >= CURRENT_CHANGE_A)
+                .is_some_and(|current_a| spread(&current_a[run]) >= CURRENT_CHANGE_A)
         },
     );
 }
@@ -198,14 +133,12 @@ fn rise(speed_mps: &[f64]) -> f64 {
     rise_mps
 }
 
-/// The largest value less the smallest.
-fn range(values: &[f64]) -> f64 {
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
-    high - low
+/// Between what a twentieth of the values is under and over: a spike is no change.
+fn spread(values: &[f64]) -> f64 {
+    let mut known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let low = quantile(&mut known, TAIL);
+    let high = quantile(&mut known, 1.0 - TAIL);
+    high.zip(low).map_or(0.0, |(high, low)| high - low)
 }
 
 /// Whether a channel repeats a value in motion in less than a share of its samples, some stretches apart.

@@ -24,23 +24,43 @@ const ERRORS: f64 = 6.0;
 const STANDSTILL_S: f64 = 10.0;
 const CHARGING_W: f64 = -100.0;
 
-/// Takes an offset off the current that the state of charge tells; reports one that standstill tells.
+/// An offset is known where its standard error is at most this share of it, and the car takes no more at standstill without it than
+/// auxiliaries may, W.
+const KNOWN: f64 = 0.1;
+const AUXILIARIES_W: f64 = 10_000.0;
+
+/// Takes an offset off the current where the state of charge tells it for certain; reports one that it tells otherwise, or standstill.
 pub(super) fn judge_offset(checked: &mut Checked) {
     if let Some((offset_a, error_a)) = offset_by_charge(checked) {
-        if let Some(values) = checked.log.channels.get_mut(&Channel::BatteryCurrent) {
-            values.iter_mut().for_each(|a| *a -= offset_a);
-        }
-        let detail = format!(
-            "{offset_a:.1} A more, to {error_a:.1} A (standard error), than the state of charge falls by, all along: taken off"
-        );
-        return report(checked, Action::Shifted, detail);
+        return judge(checked, offset_a, error_a);
     }
-    if let Some(power_w) = standstill_w(checked).filter(|w| *w < CHARGING_W) {
+    if let Some(power_w) = standstill_w(checked, 0.0).filter(|w| *w < CHARGING_W) {
         let detail = format!(
             "{power_w:.0} W at standstill (median): the battery is charged while the car stands; if it is not plugged in, the current has an offset"
         );
         report(checked, Action::Kept, detail);
     }
+}
+
+fn judge(checked: &mut Checked, offset_a: f64, error_a: f64) {
+    let figures = format!(
+        "{offset_a:.1} A more, to {error_a:.1} A (standard error), than the state of charge falls by, all along"
+    );
+    let standing = standstill_w(checked, 0.0).zip(standstill_w(checked, offset_a));
+    let may_be = standing.is_none_or(|(_, w)| (CHARGING_W..=AUXILIARIES_W).contains(&w));
+    if error_a <= KNOWN * offset_a.abs() && may_be {
+        if let Some(values) = checked.log.channels.get_mut(&Channel::BatteryCurrent) {
+            values.iter_mut().for_each(|a| *a -= offset_a);
+        }
+        return report(checked, Action::Shifted, format!("{figures}: taken off"));
+    }
+    let standing = standing.map_or_else(String::new, |(now_w, then_w)| {
+        format!("; {now_w:.0} W at standstill (median), and {then_w:.0} W without")
+    });
+    let detail = format!(
+        "{figures}{standing}: the current may have an offset, or the state of charge is wrong; not taken off"
+    );
+    report(checked, Action::Kept, detail);
 }
 
 /// What flows out of the battery in a piece, A s, how long it is, s, and by how much the charge falls, %.
@@ -110,15 +130,15 @@ fn pieces(checked: &Checked) -> Option<Vec<Piece>> {
     Some(pieces)
 }
 
-/// Median battery power at standstill, W; `None` where the car hardly stands.
-fn standstill_w(checked: &Checked) -> Option<f64> {
+/// Median battery power at standstill without an offset of the current, W; `None` where the car hardly stands.
+fn standstill_w(checked: &Checked, offset_a: f64) -> Option<f64> {
     let (voltage_v, current_a) = (
         checked.values(Channel::BatteryVoltage)?,
         checked.values(Channel::BatteryCurrent)?,
     );
     let speed_mps = checked.log.speed_mps();
     let standing = (0..speed_mps.len()).filter(|&i| speed_mps[i].abs() < STANDSTILL_MPS);
-    let power_w = standing.map(|i| voltage_v[i] * current_a[i]);
+    let power_w = standing.map(|i| voltage_v[i] * (current_a[i] - offset_a));
     let mut power_w: Vec<f64> = power_w.filter(|w| w.is_finite()).collect();
     let all_s = checked.duration_s(&(0..speed_mps.len()));
     let standing_s = all_s * power_w.len() as f64 / speed_mps.len() as f64;

@@ -2,7 +2,7 @@
 
 use super::checked::Checked;
 use super::jump::noise_m;
-use super::road::{Stretch, felt_by_battery, stretches};
+use super::road::{Share, Stretch, TRUE, felt_by_battery, stretches};
 use crate::statistics::{deviation, quantile};
 use crate::{Action, Channel, FindingKind};
 
@@ -14,9 +14,6 @@ const STEEP_SHARE: f64 = 0.05;
 /// The accelerometer feels no less than the road: an elevation that rises by so many times more (root mean square) is none. In 33
 /// trips of a BMW i3 it is 1.7 at most.
 const FELT_TIMES: f64 = 3.0;
-
-/// What the battery feels of the climb of a true elevation.
-const BATTERY_TIMES: (f64, f64) = (0.6, 1.6);
 
 /// An elevation that varies by less than the first figure, m, over so many km, is hardly one in metres.
 const FLAT_M: f64 = 0.5;
@@ -36,8 +33,8 @@ pub(super) fn judge(checked: &mut Checked) {
         .or_else(|| too_hilly(&stretches, noise_m))
         .or_else(|| by_battery(checked));
     if let Some(detail) = wrong {
-        let unit = "in ft, dm or cm, perhaps; name the unit in the header";
-        report(checked, Action::Dropped, format!("{detail}: {unit}"));
+        let cause = "in ft, dm or cm, perhaps (name the unit in the header), or that of a height model at bridges and tunnels, or of a sensor that drifts";
+        report(checked, Action::Dropped, format!("{detail}: {cause}"));
         checked.log.channels.remove(&Channel::Elevation);
     } else if let Some(detail) = unlikely(checked, elevation_m) {
         report(checked, Action::Kept, detail);
@@ -73,9 +70,9 @@ fn unlikely(checked: &Checked, elevation_m: &[f64]) -> Option<String> {
 }
 
 fn by_battery(checked: &Checked) -> Option<String> {
-    let times = felt_by_battery(checked, Channel::Elevation)?;
-    (!(BATTERY_TIMES.0..=BATTERY_TIMES.1).contains(&times))
-        .then(|| format!("the battery feels {times:.2} times what it rises"))
+    let share = felt_by_battery(checked, Channel::Elevation).filter(Share::is_certain)?;
+    let times = share.times;
+    (!TRUE.contains(&times)).then(|| format!("the battery feels {times:.2} times what it rises"))
 }
 
 fn too_steep(stretches: &[Stretch], noise_m: f64) -> Option<String> {

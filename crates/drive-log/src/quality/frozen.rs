@@ -69,7 +69,7 @@ pub(super) fn remove_speed(checked: &mut Checked) {
             (false, true) => ALONE_LIVELY_S,
             (false, false) => ALONE_S,
         };
-        if checked.duration_s(&run) < needed_s {
+        if checked.duration_s(&run) < needed_s || !together && is_limited(checked, &run) {
             continue;
         }
         if !together && !lively {
@@ -86,6 +86,17 @@ pub(super) fn remove_speed(checked: &mut Checked) {
             checked.remove(channel, run.start + 1..run.end);
         }
     }
+}
+
+/// Whether a run is at the speed that a limiter may hold, which is reported.
+fn is_limited(checked: &Checked, run: &Range<usize>) -> bool {
+    let speed_mps = checked.log.speed_mps();
+    let is_reported = checked.findings.iter().any(|finding| {
+        finding.kind == FindingKind::Clipped
+            && finding.action == Action::Kept
+            && finding.channel == Channel::Speed.name()
+    });
+    is_reported && !speed_mps.iter().any(|v| *v > speed_mps[run.start])
 }
 
 /// The part of a run in which the two channels that stand still for longest do so too: a rounded speed may have stood before.

@@ -1,4 +1,4 @@
-//! Heating power that is no power.
+//! Power of heating and auxiliaries that is no power.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -170,10 +170,12 @@ pub(super) fn drop_pinned(checked: &mut Checked) {
     }
 }
 
-/// Drops a heating channel that the battery contradicts.
+/// Drops auxiliaries and heating that the battery contradicts. Auxiliaries are judged by themselves, before they count beside heating.
 pub(super) fn drop_contradicted(checked: &mut Checked) {
-    if let Some(detail) = contradiction(checked, Channel::HeatingPower) {
-        drop_channel(checked, Channel::HeatingPower, detail);
+    for channel in [Channel::AuxPower, Channel::HeatingPower] {
+        if let Some(detail) = contradiction(checked, channel) {
+            drop_channel(checked, channel, detail);
+        }
     }
 }
 
@@ -206,28 +208,27 @@ fn drop_channel(checked: &mut Checked, channel: Channel, detail: String) {
     checked.log.channels.remove(&channel);
 }
 
-/// What the battery says against a heating channel at standstill; `None` where it says nothing.
+/// What the battery says against the power of heating or auxiliaries at standstill; `None` where it says nothing.
 fn contradiction(checked: &Checked, channel: Channel) -> Option<String> {
-    let heating_w = checked.values(channel)?;
+    let claim_w = checked.values(channel)?;
     let (voltage_v, current_a) = (
         checked.values(Channel::BatteryVoltage)?,
         checked.values(Channel::BatteryCurrent)?,
     );
     let speed_mps = checked.log.speed_mps();
-    let aux_w = |i: usize| {
-        checked
-            .values(Channel::AuxPower)
-            .map_or(0.0, |aux| aux[i].max(0.0))
-    };
+    let beside = checked
+        .values(Channel::AuxPower)
+        .filter(|_| channel != Channel::AuxPower);
+    let beside_w = |i: usize| beside.map_or(0.0, |aux| aux[i].max(0.0));
     let (mut claimed, mut contradicted) = (0_usize, 0_usize);
-    for i in 0..heating_w.len() {
+    for i in 0..claim_w.len() {
         let battery_w = voltage_v[i] * current_a[i];
-        if speed_mps[i].abs() < STANDSTILL_MPS && heating_w[i] > CLAIM_W && battery_w.is_finite() {
+        if speed_mps[i].abs() < STANDSTILL_MPS && claim_w[i] > CLAIM_W && battery_w.is_finite() {
             claimed += 1;
-            contradicted += usize::from(battery_w < heating_w[i] + aux_w(i) - TOLERANCE_W);
+            contradicted += usize::from(battery_w < claim_w[i] + beside_w(i) - TOLERANCE_W);
         }
     }
-    let samples = heating_w.len();
+    let samples = claim_w.len();
     let claimed_s = checked.duration_s(&(0..samples)) * claimed as f64 / samples as f64;
     let share = contradicted as f64 / claimed as f64;
     (claimed_s >= CLAIMED_S && share >= CONTRADICTED_SHARE).then(|| {

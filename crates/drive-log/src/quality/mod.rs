@@ -10,6 +10,7 @@ mod charge;
 mod checked;
 mod clipped;
 mod code;
+mod current;
 mod distance;
 mod dropout;
 mod elevation;
@@ -41,6 +42,7 @@ pub(crate) mod time;
 mod time_unit;
 mod unit_change;
 mod whittaker;
+mod wrapped;
 
 pub use checked::Checked;
 use quantised::Rounding;
@@ -62,9 +64,10 @@ use crate::{Channel, RawLog};
 /// | volts and amps exchanged | a voltage varies by half of its mean, and the current hardly | exchanged |
 /// | out of range | outside what a road vehicle can have, such as a negative gap | removed |
 /// | sign of the current | battery power and `v·dv/dt` correlate at −0.5 or below, or a drive on a level road charges the battery | flipped; kept where the road is not known; dropped where the sign was not recorded |
-/// | current that wraps around | large jumps, all by the turn of a counter of 16 bit | turned back |
-/// | current, voltage at the end of the range; still or 0 V in motion | an extreme again and again; one value while the car accelerates or the current changes | removed |
-/// | current offset | the state of charge falls by another current; the battery is charged at standstill | taken off; kept |
+/// | current that wraps around | large jumps, all alike, forth and back | turned back; dropped where no counter has that range |
+/// | current that leaves for a moment | values off both around them, or stretches of exactly 0, by jumps | removed |
+/// | current at the end of the range; current, voltage, accelerometer still or 0 V in motion | an extreme again and again; one value while the car accelerates or the current changes | removed |
+/// | current offset | the state of charge falls by another current; the battery is charged at standstill | taken off where it is certain; kept |
 /// | codes of other channels | one exact value in single rows, far outside all others | removed |
 /// | dropouts | a speed off both its neighbours, on the same side, by more than a car turns around, for 2 s at most | removed, with all samples of a value that is a code |
 /// | codes | one exact speed or gap entered and left by jumps, a gap of 0, a limit of 0 or over 162 km/h | removed |
@@ -80,10 +83,10 @@ use crate::{Channel, RawLog};
 /// | altitude outlier | elevation leaves the steepest road by 5 m for 2 s, or by 40 m for a minute | removed |
 /// | sentinel | heating in three or more pulses under 3 s of one exact value that the battery does not feel | removed |
 /// | pinned | one value over 50 W for half of the heating channel and 300 s | channel dropped |
-/// | contradicted | at standstill the battery delivers less than heating and auxiliaries, for half of the time that the heating claims power | channel dropped |
+/// | contradicted | at standstill the battery delivers less than auxiliaries, or heating and auxiliaries, for half of the time that these claim power | channel dropped |
 /// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
 /// | held | values repeated in rows until the sensor gives the next one | the line between updates |
-/// | clipped, filled | a speed that ends at one value; a straight line | removed |
+/// | clipped, filled | a speed that ends at one value; a straight line | removed; kept where the speed may have been limited |
 /// | scattering | a speed off the line between its neighbours, on alternating sides | smoothed |
 /// | quantised | a speed in coarse steps | smoothed within half a step |
 /// | noise | an elevation that scatters by over 2 m | none here; a slope from it is taken over a window as long as that asks for |
@@ -104,9 +107,12 @@ pub fn check(log: RawLog) -> Checked {
     range::report_missing(&mut checked);
     // a unit tells before the range does, in which another unit may leave no more than a part
     exchanged::put_right(&mut checked);
+    // some counters wrap around after more than the range, others are hidden by values out of it
+    wrapped::unwrap_current(&mut checked);
     range::remove(&mut checked, |c| !c.is_motion() && *c != Channel::Slope);
     code::remove(&mut checked);
-    battery::unwrap_current(&mut checked);
+    wrapped::unwrap_current(&mut checked);
+    current::remove_spikes(&mut checked);
     battery::remove_dead_voltage(&mut checked);
     let interval_s = held::speed_interval_s(&checked);
     dropout::remove_speed(&mut checked, interval_s);
@@ -128,6 +134,7 @@ pub fn check(log: RawLog) -> Checked {
     let scattered = noise::smooth_speed(&mut checked);
     radar::mend(&mut checked);
     sentinel::remove_limits(&mut checked);
+    battery::remove_still_accelerometer(&mut checked);
     accelerometer::mend(&mut checked);
     frozen::remove_elevation(&mut checked);
     jump::remove_altitude_outliers(&mut checked);

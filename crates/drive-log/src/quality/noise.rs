@@ -63,11 +63,9 @@ fn stand_in_noise(time_s: &[f64], smooth_mps: &mut [f64], scatter_mps: f64) {
     }
 }
 
-/// Smooths a speed that scatters; `true` where it did.
-pub(super) fn smooth_speed(checked: &mut Checked) -> bool {
-    let Some(scatter_mps) = scatter_mps(checked) else {
-        return false;
-    };
+/// A speed that scatters: by how much, m/s, and what it is without; `None` where it does not.
+pub(super) fn smoothed(checked: &Checked) -> Option<(f64, Vec<f64>)> {
+    let scatter_mps = scatter_mps(checked)?;
     let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
     let noise = whittaker::Noise {
         variance: scatter_mps.powi(2),
@@ -78,6 +76,14 @@ pub(super) fn smooth_speed(checked: &mut Checked) -> bool {
     if speed_mps.iter().any(|v| *v < -scatter_mps) {
         stand_in_noise(time_s, &mut smooth_mps, scatter_mps);
     }
+    Some((scatter_mps, smooth_mps))
+}
+
+/// Smooths a speed that scatters; `true` where it did.
+pub(super) fn smooth_speed(checked: &mut Checked) -> bool {
+    let Some((scatter_mps, smooth_mps)) = smoothed(checked) else {
+        return false;
+    };
     let detail =
         format!("scatters by {scatter_mps:.2} m/s (standard deviation) from row to row; smoothed");
     checked.report_all(FindingKind::Noise, Channel::Speed, Action::Smoothed, detail);

@@ -4,7 +4,7 @@ use super::checked::Checked;
 use super::motion::moving_spans;
 use super::power::{Load, loads};
 use super::time_unit::report;
-use crate::Action;
+use crate::{Action, Channel};
 
 /// The battery says that times are wrong where the car is more ordinary without, by so many usual factors.
 const CLEARLY: f64 = 1.0;
@@ -44,5 +44,14 @@ pub(super) fn by_battery(checked: &Checked, times: f64) -> Verdict {
 /// Refuses the times.
 pub(super) fn refuse(checked: &mut Checked, why: &str) {
     let detail = format!("{why}: check the times, and whether rows are missing");
+    report(checked, Action::Refused, detail);
+}
+
+/// Refuses a log whose accelerometer follows the speed by another factor than one, where nothing tells what is off by it.
+pub(super) fn refuse_either(checked: &mut Checked, figures: &str) {
+    let detail = format!(
+        "{figures}: the accelerometer, the times or the speeds are off by that factor; check whether rows are missing and the units of times and speeds, or leave {} out if its scale is wrong",
+        Channel::Accelerometer
+    );
     report(checked, Action::Refused, detail);
 }

@@ -8,6 +8,9 @@ use crate::{Channel, RawLog};
 /// Seconds without braking that tell a car.
 const SECONDS: usize = 120;
 
+/// Seconds that tell two cars from each other.
+const FEW_SECONDS: usize = 60;
+
 /// Braking takes the friction brakes along, which no battery feels, m/s².
 const NOT_BRAKING_MPS2: f64 = -0.2;
 
@@ -97,13 +100,22 @@ impl Load {
     /// Fits `P = P₀ + m v (dv/dt + 0.1) + ½ ρ A v³` where the car does not brake, the speeds being
     /// `k` times too large. `None` where the seconds do not tell.
     pub(super) fn fit(loads: &[Self], k: f64) -> Option<Car> {
+        Self::fit_of(loads, k, SECONDS)
+    }
+
+    /// The same of fewer seconds, to be compared with another.
+    pub(super) fn fit_few(loads: &[Self], k: f64) -> Option<Car> {
+        Self::fit_of(loads, k, FEW_SECONDS)
+    }
+
+    fn fit_of(loads: &[Self], k: f64, least: usize) -> Option<Car> {
         let rows: Vec<([f64; 3], f64)> = loads
             .iter()
             .map(|load| (load.speed_mps / k, load.accel_mps2 / k, load.power_w))
             .filter(|(_, a, _)| *a > NOT_BRAKING_MPS2)
             .map(|(v, a, p)| ([1.0, v * (a + ROLLING_MPS2), v * v * v], p))
             .collect();
-        if rows.len() < SECONDS {
+        if rows.len() < least {
             return None;
         }
         let inverse = inverse(&normal(&rows))?;

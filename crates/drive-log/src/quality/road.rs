@@ -1,5 +1,7 @@
 //! What a stretch of the road rises, by all that knows.
 
+use std::ops::RangeInclusive;
+
 use super::checked::Checked;
 use super::motion::{GRAVITY_MPS2, Span, moving_spans, spans};
 use super::power::{Load, felt_climb, loads};
@@ -14,10 +16,12 @@ const REACH_M: f64 = 100.0;
 const LEAST_M: f64 = 50.0;
 
 /// The battery tells where the car is an ordinary one, within so many usual factors, on roads whose gradients deviate by so much,
-/// where it feels so many standard errors of a climb.
+/// where it feels so many standard errors of a climb, or does not by so small an error, and so many of them.
 const ORDINARY: f64 = 1.5;
 const HILLY: f64 = 0.01;
 const CERTAIN: f64 = 10.0;
+const ERROR: f64 = 0.07;
+const ERRORS: f64 = 5.0;
 
 /// A stretch of the road, m.
 #[derive(Clone, Copy, Default)]
@@ -63,8 +67,30 @@ pub(super) fn pairs(stretches: &[Stretch], of: impl Fn(&Stretch) -> (f64, f64)) 
     stretches.iter().map(of).filter(known).collect()
 }
 
+/// What the battery feels of the climb of a true road.
+pub(super) const TRUE: RangeInclusive<f64> = 0.6..=1.6;
+
+/// How many times a climb something feels, and the standard error of that.
+pub(super) struct Share {
+    pub(super) times: f64,
+    pub(super) error: f64,
+}
+
+impl Share {
+    pub(super) fn is_certain(&self) -> bool {
+        self.times > CERTAIN * self.error
+    }
+
+    /// Whether it is that of no road, and be it that nothing of the climb is felt.
+    pub(super) fn is_of_no_road(&self) -> bool {
+        let margin = ERRORS * self.error;
+        self.error <= ERROR
+            && (self.times + margin < *TRUE.start() || self.times - margin > *TRUE.end())
+    }
+}
+
 /// How many times what an elevation or a slope climbs the battery feels; `None` where it does not tell.
-pub(super) fn felt_by_battery(checked: &Checked, channel: Channel) -> Option<f64> {
+pub(super) fn felt_by_battery(checked: &Checked, channel: Channel) -> Option<Share> {
     let log = &checked.log;
     let values = log.channel(channel)?;
     let spans = moving_spans(log);
@@ -80,8 +106,7 @@ pub(super) fn felt_by_battery(checked: &Checked, channel: Channel) -> Option<f64
     let variance = mean(gradients.iter().map(|gradient| (gradient - middle).powi(2)))?;
     let (times, error) = felt_climb(log, &spans, &gradients)?;
     let car = Load::fit(&loads(log, &spans), 1.0)?;
-    (car.oddity() <= ORDINARY && variance >= HILLY * HILLY && times > CERTAIN * error)
-        .then_some(times)
+    (car.oddity() <= ORDINARY && variance >= HILLY * HILLY).then_some(Share { times, error })
 }
 
 /// The rise of the elevation over the way around a sample.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::checked::Checked;
 use super::jump::noise_m;
 use super::pace::{self, Verdict};
-use super::road::{Stretch, felt_by_battery, pairs, stretches};
+use super::road::{Share, Stretch, felt_by_battery, pairs, stretches};
 use super::runs::constant_runs;
 use crate::statistics::{correlation, near, slope};
 use crate::{Action, Channel, FindingKind};
@@ -71,6 +71,9 @@ pub(super) fn judge(checked: &mut Checked) {
     if checked.values(Channel::Slope).is_none() {
         return;
     }
+    if checked.values(Channel::Elevation).is_none() {
+        return judge_alone(checked);
+    }
     let stretches = stretches(&checked.log);
     let heights = pairs(&stretches, |s| (s.rise_m, s.climb_m));
     if let Some(detail) = frozen(checked) {
@@ -105,6 +108,17 @@ pub(super) fn judge(checked: &mut Checked) {
         drop(checked, Channel::Slope, detail);
     } else if let Some(detail) = unrelated(checked, &heights) {
         settle(checked, &stretches, &detail);
+    }
+}
+
+/// Reports a slope beside which there is no elevation, and that the battery does not feel.
+fn judge_alone(checked: &mut Checked) {
+    let share = felt_by_battery(checked, Channel::Slope).filter(Share::is_of_no_road);
+    if let Some(Share { times, error }) = share {
+        let detail = format!(
+            "the battery feels {times:.2} times what it climbs, to {error:.2} (standard error)"
+        );
+        keep(checked, &detail);
     }
 }
 
@@ -209,7 +223,9 @@ fn settle(checked: &mut Checked, stretches: &[Stretch], why: &str) {
     ];
     let by_battery = [Channel::Slope, Channel::Elevation].map(|channel| Felt {
         correlation: 1.0,
-        times: felt_by_battery(checked, channel).unwrap_or(f64::NAN),
+        times: felt_by_battery(checked, channel)
+            .filter(Share::is_certain)
+            .map_or(f64::NAN, |share| share.times),
     });
     for (witness, [slope, elevation]) in
         [("accelerometer", by_accelerometer), ("battery", by_battery)]

@@ -3,6 +3,8 @@
 mod witnesses;
 
 use super::checked::Checked;
+use super::noise;
+use super::pace;
 use super::row_number;
 use super::speed_mistake::Mistake;
 use crate::{Action, Channel, FindingKind};
@@ -30,7 +32,7 @@ enum Verdict {
 /// Converts a speed whose unit is another one beyond doubt; refuses one that is impossible where the
 /// unit cannot be told; reports one that is doubtful. A channel that is at odds with all others is left out.
 pub(super) fn convert(checked: &mut Checked) {
-    let Some(mut witnesses) = Witnesses::hear(&checked.log) else {
+    let Some(mut witnesses) = hear(checked) else {
         return;
     };
     loop {
@@ -50,11 +52,52 @@ pub(super) fn convert(checked: &mut Checked) {
             return decide(checked, &witnesses, &objections);
         };
         match verdict(&witnesses, channel) {
+            Verdict::Speed(unit) if may_be_times(&witnesses, &objections, unit) => {
+                return refuse_times(checked, &only.text, unit);
+            }
             Verdict::Speed(unit) => return rescale(checked, &only.text, unit),
             Verdict::Open => return refuse_both(checked, &witnesses, channel, &only.text),
-            Verdict::Channel => drop_channel(checked, channel, &only.text),
+            Verdict::Channel => match times(checked, &witnesses, channel) {
+                Some(why) => return pace::refuse(checked, &format!("{}; {why}", only.text)),
+                None => drop_channel(checked, channel, &only.text),
+            },
         }
         witnesses = witnesses.without(channel);
+    }
+}
+
+/// Noise from row to row hides what a speed says.
+fn hear(checked: &Checked) -> Option<Witnesses> {
+    let Some((_, smooth_mps)) = noise::smoothed(checked) else {
+        return Witnesses::hear(&checked.log);
+    };
+    let mut log = checked.log.clone();
+    log.channels.insert(Channel::Speed, smooth_mps);
+    Witnesses::hear(&log)
+}
+
+/// Whether all that says that a speed is in another unit are accelerations, and limit or battery make the drive as ordinary if the
+/// times are off by that factor instead.
+fn may_be_times(witnesses: &Witnesses, objections: &[Objection], unit: Mistake) -> bool {
+    let of_times = |objection: &Objection| {
+        matches!(
+            objection.witness,
+            Witness::Motion | Witness::Measured(Channel::Accelerometer | Channel::Accel)
+        )
+    };
+    let is_felt = |objection: &Objection| objection.witness != Witness::Motion;
+    objections.iter().all(of_times)
+        && objections.iter().any(is_felt)
+        && witnesses.are_rather_times(unit.0)
+}
+
+/// What says that neither speed nor acceleration are wrong, but the times.
+fn times(checked: &Checked, witnesses: &Witnesses, channel: Channel) -> Option<String> {
+    let is_acceleration = matches!(channel, Channel::Accelerometer | Channel::Accel);
+    let factor = witnesses.factor(channel).filter(|_| is_acceleration)?;
+    match pace::by_battery(checked, 1.0 / factor) {
+        pace::Verdict::Wrong(why) => Some(why),
+        pace::Verdict::Right | pace::Verdict::Open => None,
     }
 }
 
@@ -150,6 +193,9 @@ fn decide(checked: &mut Checked, witnesses: &Witnesses, objections: &[Objection]
         .count();
     let by_limit = motion > 0 && motion < objections.len();
     match likely(witnesses, &possible) {
+        Some(unit) if may_be_times(witnesses, objections, unit) => {
+            refuse_times(checked, &why, unit);
+        }
         Some(unit) if measured || by_limit => rescale(checked, &why, unit),
         _ => {
             let is_impossible = measured
@@ -189,6 +235,14 @@ fn rescale(checked: &mut Checked, why: &str, (factor, unit): Mistake) {
     report(checked, Action::Scaled, detail);
 }
 
+fn refuse_times(checked: &mut Checked, why: &str, (factor, unit): Mistake) {
+    let pace = 1.0 / factor;
+    let detail = format!(
+        "{why}: the times are off by that factor, or the speed is {unit}; the drive is the more ordinary one if it changes its speed {pace:.2} times as fast: check the times and whether rows are missing, or name the unit in the header"
+    );
+    report(checked, Action::Refused, detail);
+}
+
 fn drop_channel(checked: &mut Checked, channel: Channel, why: &str) {
     let detail = format!(
         "{why}, and yet the drive is an ordinary one in the unit of the speed: in another unit or scale, and not used"
@@ -199,7 +253,7 @@ fn drop_channel(checked: &mut Checked, channel: Channel, why: &str) {
 
 fn refuse_both(checked: &mut Checked, witnesses: &Witnesses, channel: Channel, why: &str) {
     let detail = format!(
-        "{why}: {}, or leave {channel} out if its scale is wrong",
+        "{why}: {}, or leave {channel} out if its scale is wrong, or check the times and whether rows are missing",
         asked(&witnesses.possible())
     );
     report(checked, Action::Refused, detail);

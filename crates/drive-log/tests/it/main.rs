@@ -9,6 +9,7 @@
 )]
 
 mod bad_input;
+mod battery;
 mod contradictions;
 mod divided;
 mod dropouts;

@@ -15,7 +15,7 @@ const WITNESSES: [Channel; 5] = [
 ];
 
 /// Noise of deviation 1, the same on every run.
-fn noise(i: usize) -> f64 {
+pub(crate) fn noise(i: usize) -> f64 {
     let uniform = |salt: u64| {
         let mut x = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ salt;
         x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -29,7 +29,7 @@ fn speed(log: &RawLog) -> &[f64] {
     log.channel(Channel::Speed).unwrap()
 }
 
-fn with(log: &RawLog, channel: Channel, of: impl Fn(usize, f64) -> f64) -> RawLog {
+pub(crate) fn with(log: &RawLog, channel: Channel, of: impl Fn(usize, f64) -> f64) -> RawLog {
     changed(log, channel, |values| {
         for (i, value) in values.iter_mut().enumerate() {
             *value = of(i, *value);
@@ -39,7 +39,7 @@ fn with(log: &RawLog, channel: Channel, of: impl Fn(usize, f64) -> f64) -> RawLo
 
 /// The drive as a car records it: the last digits of the speed scatter, the voltage gives way to the current, a state of charge and
 /// the slope of the road.
-fn recorded() -> RawLog {
+pub(crate) fn recorded() -> RawLog {
     let log = drive(0.1);
     let log = with(&log, Channel::Speed, |i, v| {
         if v > 0.0 {
@@ -84,7 +84,12 @@ fn recorded() -> RawLog {
 
 /// That one finding has this kind, channel and action.
 #[track_caller]
-fn assert_found(log: &RawLog, kind: FindingKind, channel: &str, action: Action) -> RawLog {
+pub(crate) fn assert_found(
+    log: &RawLog,
+    kind: FindingKind,
+    channel: &str,
+    action: Action,
+) -> RawLog {
     let checked = check(log.clone());
     let is_it =
         |f: &drive_log::Finding| (f.kind, f.channel.as_str(), f.action) == (kind, channel, action);
@@ -97,7 +102,7 @@ fn assert_found(log: &RawLog, kind: FindingKind, channel: &str, action: Action) 
 }
 
 #[track_caller]
-fn assert_near(log: &RawLog, expected: &RawLog, channel: Channel, tolerance: f64) {
+pub(crate) fn assert_near(log: &RawLog, expected: &RawLog, channel: Channel, tolerance: f64) {
     let (found, expected) = (
         log.channel(channel).unwrap(),
         expected.channel(channel).unwrap(),
@@ -157,6 +162,76 @@ fn lost_rows_are_told_by_accelerometer_and_battery() {
     );
 }
 
+/// The drive as its times are off by a factor.
+fn at_times(log: &RawLog, factor: f64) -> RawLog {
+    let time_s = log.time_s().iter().map(|t| factor * t).collect();
+    raw(
+        time_s,
+        log.channels().map(|(c, values)| (c, values.to_vec())),
+    )
+}
+
+#[track_caller]
+fn assert_refused(log: RawLog, words: &[&str]) {
+    let refused = check(log)
+        .findings
+        .into_iter()
+        .find(|f| f.action == Action::Refused)
+        .unwrap();
+    for word in words {
+        assert!(refused.detail.contains(word), "{}", refused.detail);
+    }
+}
+
+#[test]
+fn an_accelerometer_tells_slow_times_and_not_the_battery_alone() {
+    let log = without(&recorded(), &[Channel::Slope, Channel::StateOfCharge]);
+    // so slow that the speed hardly seems to change
+    for factor in [3.0, 5.0] {
+        assert_refused(at_times(&log, factor), &["rows are missing"]);
+    }
+    let alone = without(
+        &log,
+        &[
+            Channel::BatteryCurrent,
+            Channel::Elevation,
+            Channel::SpeedLimit,
+        ],
+    );
+    let words = ["accelerometer", "times", "speeds", "leave"];
+    assert_refused(at_times(&alone, 2.0), &words);
+    // a scale that is off by little does no harm
+    let scaled = times(&alone, Channel::Accelerometer, 1.22);
+    assert_eq!(
+        only(&scaled),
+        (
+            FindingKind::Mounting,
+            "accelerometer_mps2".to_owned(),
+            Action::Dropped
+        )
+    );
+}
+
+#[test]
+fn fast_times_do_not_make_the_speed_one_in_another_unit() {
+    let log = without(
+        &recorded(),
+        &[Channel::Slope, Channel::StateOfCharge, Channel::SpeedLimit],
+    );
+    for factor in [0.6, 0.45] {
+        assert_refused(at_times(&log, factor), &["times"]);
+    }
+}
+
+#[test]
+fn noise_does_not_hide_the_unit_of_a_speed() {
+    let log = without(&recorded(), &[Channel::Slope, Channel::StateOfCharge]);
+    let noisy = with(&log, Channel::Speed, |i, v| {
+        (v + if v > 0.5 { 0.2 * noise(i + 500) } else { 0.0 }) / 1.609_344
+    });
+    assert_found(&noisy, FindingKind::Unit, "speed_mps", Action::Scaled);
+}
+
 #[test]
 fn a_speed_that_scatters_is_smoothed() {
     let log = recorded();
@@ -187,6 +262,22 @@ fn values_at_the_end_of_the_range_are_not_known() {
     assert_clipped(Channel::BatteryCurrent, |a| a.clamp(-32.0, 32.0));
 }
 
+#[test]
+fn a_speed_that_a_limiter_holds_is_kept() {
+    let log = recorded();
+    let limited = with(&log, Channel::Speed, |_, v| v.min(20.0));
+    let accel = speed(&limited).to_vec();
+    let felt = with(&limited, Channel::Accelerometer, |i, _| {
+        let (from, to) = (i.saturating_sub(3), (i + 3).min(accel.len() - 1));
+        (accel[to] - accel[from]) / (0.1 * (to - from) as f64) + 0.02 * noise(i)
+    });
+    let alone = without(&limited, &[Channel::Accelerometer]);
+    for log in [felt, alone] {
+        let found = assert_found(&log, FindingKind::Clipped, "speed_mps", Action::Kept);
+        assert_eq!(speed(&found), speed(&log));
+    }
+}
+
 #[track_caller]
 fn assert_clipped(channel: Channel, clip: fn(f64) -> f64) {
     let log = recorded();
@@ -202,78 +293,6 @@ fn assert_clipped(channel: Channel, clip: fn(f64) -> f64) {
     let values = found.channel(channel).unwrap().iter();
     let wrong = values.zip(log.channel(channel).unwrap()).filter(wrong);
     assert_eq!(wrong.count(), 0);
-}
-
-#[test]
-fn a_current_that_wraps_around_is_put_right() {
-    let log = recorded();
-    let wrapped = with(&log, Channel::BatteryCurrent, |_, a| {
-        if a < 0.0 { a + 655.36 } else { a }
-    });
-    let found = assert_found(
-        &wrapped,
-        FindingKind::CurrentSign,
-        "battery_current_a",
-        Action::Converted,
-    );
-    assert_near(&found, &log, Channel::BatteryCurrent, 1e-9);
-}
-
-#[test]
-fn volts_and_amps_that_stop_in_motion_are_removed() {
-    let log = recorded();
-    for (channel, value) in [
-        (Channel::BatteryCurrent, Some(0.0)),
-        (Channel::BatteryCurrent, None),
-        (Channel::BatteryVoltage, None),
-    ] {
-        let held = log.channel(channel).unwrap()[1340];
-        let dead = with(&log, channel, |i, old| {
-            if (1340..1540).contains(&i) {
-                value.unwrap_or(held)
-            } else {
-                old
-            }
-        });
-        let found = assert_found(&dead, FindingKind::Frozen, channel.name(), Action::Removed);
-        assert!(
-            found.channel(channel).unwrap()[1340..1540]
-                .iter()
-                .all(|v| v.is_nan())
-        );
-    }
-    let dead = with(&log, Channel::BatteryVoltage, |i, v| {
-        if (1340..1540).contains(&i) { 0.0 } else { v }
-    });
-    assert_found(
-        &dead,
-        FindingKind::Sentinel,
-        "battery_voltage_v",
-        Action::Removed,
-    );
-}
-
-#[test]
-fn the_state_of_charge_tells_an_offset_of_the_current() {
-    let log = recorded();
-    for offset_a in [5.0, -5.0, 20.0] {
-        let off = with(&log, Channel::BatteryCurrent, |_, a| a + offset_a);
-        let found = assert_found(
-            &off,
-            FindingKind::CurrentOffset,
-            "battery_current_a",
-            Action::Shifted,
-        );
-        assert_near(&found, &log, Channel::BatteryCurrent, 0.2);
-    }
-    let charging = with(&log, Channel::BatteryCurrent, |_, a| a - 5.0);
-    let charging = without(&charging, &[Channel::StateOfCharge]);
-    assert_found(
-        &charging,
-        FindingKind::CurrentOffset,
-        "battery_current_a",
-        Action::Kept,
-    );
 }
 
 #[test]
@@ -342,6 +361,17 @@ fn the_accelerometer_tells_which_of_slope_and_elevation_is_the_road() {
     assert_eq!(check(alone.clone()).findings, []);
     let tenfold = times(&alone, Channel::Elevation, 10.0);
     assert_found(&tenfold, FindingKind::Unit, "elevation_m", Action::Dropped);
+}
+
+#[test]
+fn a_slope_alone_that_the_battery_does_not_feel_is_reported() {
+    let log = without(&recorded(), &[Channel::Elevation, Channel::Accelerometer]);
+    assert_eq!(check(log.clone()).findings, []);
+    let unsigned = with(&log, Channel::Slope, |_, s| 2.0 * s.abs());
+    let tripled = times(&log, Channel::Slope, 3.0);
+    for wrong in [unsigned, tripled] {
+        assert_found(&wrong, FindingKind::Contradicted, "grade_rad", Action::Kept);
+    }
 }
 
 #[test]

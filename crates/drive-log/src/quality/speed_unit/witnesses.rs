@@ -110,6 +110,12 @@ impl Witnesses {
         })
     }
 
+    /// How many times a figure of the speed is what a channel says.
+    pub(super) fn factor(&self, channel: Channel) -> Option<f64> {
+        let ratio = self.ratios.iter().find(|ratio| ratio.channel == channel)?;
+        Some(ratio.factor)
+    }
+
     /// The others, if a channel is not to be trusted.
     pub(super) fn without(&self, channel: Channel) -> Self {
         let mut rest = self.clone();
@@ -198,6 +204,25 @@ impl Witnesses {
     pub(super) fn oddity(&self, k: f64) -> f64 {
         let figures = self.figures(k);
         figures.iter().map(|(off, _)| off * off).sum::<f64>().sqrt()
+    }
+
+    /// Whether, by limit and battery, the drive is as ordinary if its speed is right, and changes `k` times too fast because of the
+    /// times, as if the speed is `k` times too large.
+    pub(super) fn are_rather_times(&self, k: f64) -> bool {
+        let mut slower = self.clone();
+        slower.pull_mps2 /= k;
+        slower.pull_w_per_kg /= k;
+        slower
+            .loads
+            .iter_mut()
+            .for_each(|load| *load = load.at_pace(1.0 / k));
+        let at_pace = Load::fit_few(&slower.loads, 1.0);
+        let cars = at_pace.zip(Load::fit_few(&self.loads, k));
+        let cars = cars.map_or((0.0, 0.0), |(pace, speed)| (pace.oddity(), speed.oddity()));
+        let limit = |k: f64| self.limit_share.map_or(0.0, |share| SHARE.off(share / k));
+        let (times, speed) = (cars.0.hypot(limit(1.0)), cars.1.hypot(limit(k)));
+        // without limit and battery both are 0, and units are mistaken more often than times
+        slower.against_motion(1.0).next().is_none() && times <= speed && speed > 0.0
     }
 
     /// The figures that are odd if the speed is what its header says.
