@@ -205,6 +205,9 @@ impl<'a> ControlLoop<'a> {
         self.judge_arrived();
         for robot in 0..self.convoy.robots() {
             self.judge.misplaced(robot, self.watch.misplaced_m(robot));
+            if self.watch.were_held(robot) {
+                self.judge.sights().doubt(Doubt::Held(robot));
+            }
             if self.doubted_s(robot).is_some() {
                 self.judge.sights().doubt(Doubt::Disbelieved(robot));
             }

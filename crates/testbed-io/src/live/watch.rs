@@ -2,6 +2,7 @@
 
 mod differing;
 mod displacement;
+mod held;
 
 use testbed_sim::measured::most_mps;
 use testbed_sim::tick::Watched;
@@ -17,6 +18,7 @@ use super::moved::{KEPT_S, Trail};
 use super::note::{Consequence, Differing, Note};
 use super::roll_call::RollCall;
 use differing::misplaced_m;
+use held::Held;
 
 /// What settings without guards are held against: noise of poses in m and rad, error of each wheel.
 const NOISE_M: f64 = 3e-3;
@@ -94,6 +96,7 @@ struct Own {
     lags_s: [f64; 2],
     /// How far its point of interest was found to be from where it is taken to be, in m
     misplaced_m: f64,
+    held: Held,
 }
 
 /// How far a robot may do what was decided.
@@ -132,6 +135,7 @@ impl Watch {
             before_jump: None,
             lags_s: displacement::LAGS_S,
             misplaced_m: 0.0,
+            held: Held::default(),
         };
         let noise_m = hardening.position_noise_m.max(NOISE_M);
         Self {
@@ -170,6 +174,9 @@ impl Watch {
         let twice = own.deviation_m.abs() > self.half_width_m;
         let is_out = outside_m > self.stated.noise_m || (outside_m > 0.0 && twice);
         own.trail.add(seen);
+        let told = &own.told;
+        own.held
+            .add(seen, |from_s, to_s| told.between(from_s, to_s).path_m);
         own.displaced.add(seen, &self.steady);
         own.deviation_m = deviation_m;
         if own.was_inside && is_out && own.allowed != Allowed::Nothing {
@@ -189,6 +196,11 @@ impl Watch {
     /// The way that a robot was told to go in all up to a time, forward and backward, in m.
     pub(super) fn told_m(&self, robot: usize, time_s: f64) -> f64 {
         self.robots[robot].told.until(time_s).path_m
+    }
+
+    /// Whether poses of a robot stayed the same to the last bit while it was told to move.
+    pub(super) fn were_held(&self, robot: usize) -> bool {
+        self.robots[robot].held.were_held()
     }
 
     /// How far the point of interest of a robot was found to be from where it is taken to be, in m.

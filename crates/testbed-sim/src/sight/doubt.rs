@@ -17,6 +17,8 @@ pub enum Doubt {
     LaneUnheard(usize),
     /// They can have touched while one of them was not seen and heard no command
     TouchUnheard([usize; 2]),
+    /// Its poses stayed the same to the last bit while it was told to move
+    Held(usize),
     /// It goes on after the command to stand
     GoesOn(usize),
     /// Its poses said for long that it is where it cannot be
@@ -67,6 +69,10 @@ impl Doubt {
                 "one of robots {} and {} was not seen any more: if it heard no command either, it can have gone on and touched the other",
                 id(a),
                 id(b)
+            ),
+            Self::Held(robot) => format!(
+                "poses of robot {} stayed the same to the last bit while it was told to move: it did not, or the tracker held the last one",
+                id(robot)
             ),
             Self::GoesOn(robot) => format!(
                 "robot {} was seen to go on after the command to stand: STOP IT BY HAND",
