@@ -100,3 +100,12 @@ pub(crate) fn off_line(before: (f64, f64), here: (f64, f64), after: (f64, f64)) 
     let off = here.1 - (before.1 + share * (after.1 - before.1));
     off / (1.0 + share * share + (1.0 - share) * (1.0 - share)).sqrt()
 }
+
+/// The largest of the values that are finite less the smallest; negative without any.
+pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(*value), high.max(*value))
+    });
+    high - low
+}

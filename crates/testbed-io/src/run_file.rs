@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use testbed_sim::{Disturbances, RunFigures, RunSpec, Summary, Tick, Verdict};
+use testbed_sim::{Disturbances, Replay, RunFigures, RunSpec, Summary, Tick, Verdict};
 use unicycle_cbf::{Scenario, ScenarioSpec};
 
 use crate::error::Error;
@@ -46,6 +46,16 @@ pub struct Judged {
     /// Why it is not known
     #[serde(default)]
     pub doubts: Vec<String>,
+}
+
+impl Judged {
+    /// A replay knows less than the session: what that did not call safe is not safe by its log either.
+    pub fn apply(&self, replay: &mut Replay) {
+        if replay.verdict == Verdict::Safe {
+            replay.verdict = self.verdict;
+            replay.doubts.clone_from(&self.doubts);
+        }
+    }
 }
 
 impl RunFile {

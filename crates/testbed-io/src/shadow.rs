@@ -66,7 +66,7 @@ pub fn scenario_of(
     })
 }
 
-/// Lengthens a scenario to all of a recording; gives the duration that it had, in s, where it was shorter.
+/// Makes a scenario last as long as a recording at least, so that all of that is judged; gives the duration that it had, in s, where it was shorter.
 pub fn lengthen(spec: &mut ScenarioSpec, recording: &Recording) -> Option<f64> {
     let (had_s, end_s) = (spec.duration_s, recording.end_s());
     (had_s < end_s).then(|| std::mem::replace(&mut spec.duration_s, end_s))

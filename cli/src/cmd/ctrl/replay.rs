@@ -76,7 +76,6 @@ struct Again<'a> {
 
 fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Outcome> {
     let table = log_file::read(file)?;
-    let session = table.judged()?;
     let log = table.run_log()?;
     let mut replay = log.replay()?;
     anyhow::ensure!(
@@ -84,11 +83,8 @@ fn again(args: &ReplayArgs, file: &Path, context: &Context) -> anyhow::Result<Ou
         "{}: there is no whole step in it, so that nothing was compared",
         file.display()
     );
-    if let Some(session) = &session
-        && replay.verdict == Verdict::Safe
-    {
-        replay.verdict = session.verdict;
-        replay.doubts.clone_from(&session.doubts);
+    if let Some(judged) = table.judged()? {
+        judged.apply(&mut replay);
     }
     let body = Again {
         scenario: &log.scenario.name,

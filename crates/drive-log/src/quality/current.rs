@@ -22,7 +22,7 @@ const ROW_S: f64 = 0.1;
 /// another unit.
 const USUAL_A: f64 = 50.0;
 
-/// Nor are they less than these many times what half of the values in motion are off the line between their neighbours (0.1 to 0.3 A):
+/// Nor are they less than these many times what half of the values in motion are off the line between their neighbours (up to 0.3 A in those trips):
 /// a current that was computed from a speed with noise is rough all along.
 const CERTAIN_ROUGH: f64 = 40.0;
 const LIKELY_ROUGH: f64 = 20.0;

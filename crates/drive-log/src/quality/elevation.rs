@@ -2,20 +2,18 @@
 
 use super::checked::Checked;
 use super::jump::noise_m;
-use super::road::{Share, Stretch, TRUE, felt_by_battery, stretches};
-use crate::statistics::{deviation, quantile};
+use super::road::{STEEPEST, STRETCHES, Share, Stretch, TRUE, felt_by_battery, stretches};
+use crate::statistics::{deviation, quantile, range};
 use crate::{Action, Channel, FindingKind};
 
-/// Stretches that tell; more than this share of them steeper than the steepest streets, 0.34, is no road.
-const STRETCHES: usize = 20;
-const STEEPEST: f64 = 0.35;
+/// More than this share of the stretches steeper than the steepest streets is no road.
 const STEEP_SHARE: f64 = 0.05;
 
-/// The accelerometer feels no less than the road: an elevation that rises by so many times more (root mean square) is none. In 33
-/// trips of a BMW i3 it is 1.7 at most.
+/// The accelerometer feels no less than the road: an elevation that deviates by so many times what is felt (root mean square) is none. In 33
+/// trips of a BMW i3 it is 1.7 times at most.
 const FELT_TIMES: f64 = 3.0;
 
-/// An elevation that varies by less than the first figure, m, over so many km, is hardly one in metres.
+/// An elevation that varies by less than the first figure, m, over so long a way, m, is hardly one in metres.
 const FLAT_M: f64 = 0.5;
 const FLAT_WAY_M: f64 = 5000.0;
 
@@ -54,12 +52,7 @@ fn unlikely(checked: &Checked, elevation_m: &[f64]) -> Option<String> {
             "{median_m:.0} m (median) is higher than nearly all roads: if it is in ft, name the unit in the header"
         ));
     }
-    let (low_m, high_m) = known
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
-            (low.min(*z), high.max(*z))
-        });
-    let range_m = high_m - low_m;
+    let range_m = range(&known);
     let way_m = checked.distance_m().last().copied()?;
     (range_m > 0.0 && range_m < FLAT_M && way_m > FLAT_WAY_M).then(|| {
         let km = way_m / 1e3;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::road::STEEPEST;
 use crate::statistics::{deviation, off_line};
 use crate::{Action, Channel, FindingKind};
 
@@ -27,9 +28,6 @@ const MAX_BLOCK: usize = 6000;
 /// State of charge: 1.5 % in a step of at most 2 s is a rate of 27 per hour, beyond any traction
 /// battery, and above the resolution of 1 % that some recorders have.
 const CHARGE_STEP_PCT: f64 = 1.5;
-
-/// The steepest streets rise by 35 m in 100 m.
-const STEEPEST: f64 = 0.35;
 
 /// What satellite navigation may be wrong by from one fix to the next, m: usually, and after a loss
 /// of reception.

@@ -14,7 +14,7 @@ const ROWS: usize = 100;
 const LEAST_MPS2: f64 = 0.3;
 
 /// White noise lies on other sides of the line between the neighbours in two rows that follow each other: the signs
-/// correlate at −0.46, in 70 recorded drives at −0.28 or above.
+/// correlate at −0.46, in 33 trips of a BMW i3 at −0.33 or above.
 const SIGNS: f64 = -0.36;
 
 /// Of a rounded speed, what scatters by less than this many steps is the rounding.

@@ -8,8 +8,12 @@ use super::power::{Load, felt_climb, loads};
 use crate::statistics::mean;
 use crate::{Channel, RawLog};
 
-/// Stretches over which heights are compared, m.
+/// The steepest streets rise by 0.34 of the way.
+pub(super) const STEEPEST: f64 = 0.35;
+
+/// Stretches over which heights are compared, m, and how many of them tell.
 const STRETCH_M: f64 = 150.0;
+pub(super) const STRETCHES: usize = 20;
 
 /// The way to either side over which a gradient is taken from elevations, and the least of both together, m.
 const REACH_M: f64 = 100.0;

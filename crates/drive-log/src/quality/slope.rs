@@ -5,17 +5,15 @@ use std::ops::Range;
 use super::checked::Checked;
 use super::jump::noise_m;
 use super::pace::{self, Verdict};
-use super::road::{Share, Stretch, felt_by_battery, pairs, stretches};
+use super::road::{STEEPEST, STRETCHES, Share, Stretch, felt_by_battery, pairs, stretches};
 use super::runs::constant_runs;
-use crate::statistics::{correlation, near, slope};
+use crate::statistics::{correlation, near, range, slope};
 use crate::{Action, Channel, FindingKind};
 
-/// The steepest streets have 0.34 rad; more than this share of the samples over the first figure is no road.
-const STEEPEST_RAD: f64 = 0.35;
+/// More than this share of the samples steeper than the steepest streets is no road.
 const STEEP_SHARE: f64 = 0.01;
 
-/// Stretches that tell, and how heights along them must correlate to have a factor.
-const STRETCHES: usize = 20;
+/// How heights along stretches must correlate to have a factor.
 const FOLLOWS: f64 = 0.8;
 
 /// Slopes that are so many times what the elevation says are in another unit; feet, within a tolerance.
@@ -57,7 +55,7 @@ pub(super) fn drop_steep(checked: &mut Checked) {
         return;
     };
     let known = slope_rad.iter().filter(|s| s.is_finite()).count();
-    let steep = slope_rad.iter().filter(|s| s.abs() > STEEPEST_RAD).count();
+    let steep = slope_rad.iter().filter(|s| s.abs() > STEEPEST).count();
     if steep as f64 > STEEP_SHARE * known as f64 {
         let detail = format!(
             "{steep} of {known} slopes are steeper than any street, 0.34 rad: in degrees or per cent, perhaps; name the unit in the header"
@@ -197,11 +195,7 @@ fn frozen(checked: &Checked) -> Option<String> {
     let off_m = |run: &Range<usize>| {
         let climb = slope_rad[run.start].sin();
         let height = |i: usize| elevation_m[i] - climb * distance_m[i];
-        let known = run.clone().map(height).filter(|h| h.is_finite());
-        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
-        high - low
+        range(&run.clone().map(height).collect::<Vec<f64>>())
     };
     let least_m = FROZEN_OFF_M + 6.0 * noise_m(checked.log.time_s(), elevation_m);
     let way_m = |run: &Range<usize>| distance_m[run.end - 1] - distance_m[run.start];

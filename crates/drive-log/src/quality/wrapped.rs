@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::checked::Checked;
-use crate::statistics::{deviation, quantile};
+use crate::statistics::{deviation, quantile, range};
 use crate::{Action, Channel, FindingKind};
 
 /// Jumps over this share of the largest one are turns of the counter if there are so many, and they deviate from their median by at most the
@@ -178,17 +178,6 @@ fn unwrapped(current_a: &[f64], wrap_a: f64) -> Option<Vec<f64>> {
         .min_by(|a, b| size(a).total_cmp(&size(b)))?;
     (variation(&smallest) <= VARIATION * variation(current_a) && range(&smallest) >= CHANGE_A)
         .then_some(smallest)
-}
-
-/// The largest value less the smallest.
-fn range(values: &[f64]) -> f64 {
-    let (low, high) = values
-        .iter()
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
-    high - low
 }
 
 /// All that values change by, forth and back.

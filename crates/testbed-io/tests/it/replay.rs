@@ -1,7 +1,7 @@
 //! Run logs in every format, and their replay.
 
-use testbed_io::RunFile;
 use testbed_io::log_file::{self, LogFormat};
+use testbed_io::{Judged, RunFile};
 use testbed_sim::{Disturbances, Verdict};
 use unicycle_cbf::{Preset, Testbed};
 
@@ -28,6 +28,32 @@ fn every_decision_is_repeated_bit_for_bit_from_every_format() {
             let replay = read.run_log().unwrap().replay().unwrap();
             assert_eq!(replay.decisions, run.ticks.len());
             assert_eq!(replay.different, 0, "{format:?}: {:?}", replay.first);
+        }
+    }
+}
+
+#[test]
+fn a_log_is_not_safer_than_its_session_was() {
+    let (mut run, summary) = spec(Preset::Hardened).simulate().unwrap();
+    assert_eq!(summary.verdict, Verdict::Safe);
+    let doubts = vec!["robot 2 went on".to_owned()];
+    for (verdict, doubts) in [
+        (Verdict::NotKnown, doubts),
+        (Verdict::Unsafe, Vec::new()),
+        (Verdict::Safe, Vec::new()),
+    ] {
+        let judged = Judged { verdict, doubts };
+        run.judged = Some(judged.clone());
+        let table = run.to_table().unwrap();
+        for format in [LogFormat::Csv, LogFormat::Parquet, LogFormat::Mcap] {
+            let mut bytes = Vec::new();
+            log_file::write(&table, format, &mut bytes).unwrap();
+            let read = log_file::read_bytes(&bytes, format).unwrap();
+            assert_eq!(read.judged().unwrap().as_ref(), Some(&judged));
+            let mut replay = read.run_log().unwrap().replay().unwrap();
+            assert_eq!((replay.different, replay.verdict), (0, Verdict::Safe));
+            judged.apply(&mut replay);
+            assert_eq!((replay.verdict, &replay.doubts), (verdict, &judged.doubts));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Controllers beside recorded robots.
 
-use testbed_io::recorded::{RecordingLayout, read_recording};
-use testbed_io::{Lane, Shadow, scenario_of, shadow};
+use testbed_io::recorded::{Recording, RecordingLayout, read_recording};
+use testbed_io::{Lane, Shadow, lengthen, scenario_of, shadow};
 use testbed_sim::Verdict;
 use testbed_sim::summary::outcomes_of;
 use unicycle_cbf::{Preset, Scenario, Testbed};
@@ -13,6 +13,13 @@ fn settings() -> unicycle_cbf::ControllerSettings {
         .scenario("straight", Preset::Hardened)
         .unwrap()
         .controller
+}
+
+fn recorded(text: &str) -> Recording {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("poses.csv");
+    std::fs::write(&file, text).unwrap();
+    read_recording(&[file], RecordingLayout::Csv).unwrap()
 }
 
 /// Two robots that go round a circle, seen every so often.
@@ -30,12 +37,34 @@ fn round(duration_s: f64, every_s: f64, radians: f64, second_from_s: f64) -> Sha
             text += &format!("{time_s},{robot},{cos},{sin},{heading}\n");
         }
     }
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("poses.csv");
-    std::fs::write(&file, text).unwrap();
-    let recording = read_recording(&[file], RecordingLayout::Csv).unwrap();
+    let recording = recorded(&text);
     let spec = scenario_of(&recording, Testbed::Robotarium, settings()).unwrap();
     shadow(&Scenario::new(spec).unwrap(), &recording, Lane::Laid).unwrap()
+}
+
+/// The first stands, the second drives into it at 8 s.
+#[test]
+fn all_of_a_recording_is_judged() {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..200 {
+        let time_s = 0.05 * f64::from(i);
+        text += &format!("{time_s},a,0.9,0,0\n{time_s},b,{},0,0\n", 0.1 * time_s);
+    }
+    let recording = recorded(&text);
+    let mut spec = Testbed::Robotarium
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.robots.truncate(2);
+    spec.duration_s = 4.0;
+    let judge = |spec: &unicycle_cbf::ScenarioSpec| {
+        let scenario = Scenario::new(spec.clone()).unwrap();
+        let shadow = shadow(&scenario, &recording, Lane::Given).unwrap();
+        shadow.summary.first_unsafe_s
+    };
+    assert_eq!(judge(&spec), None);
+    assert_eq!(lengthen(&mut spec, &recording), Some(4.0));
+    assert!(judge(&spec).is_some_and(|first_s| first_s > 5.0));
+    assert_eq!(lengthen(&mut spec, &recording), None);
 }
 
 #[test]

@@ -160,6 +160,15 @@ fn simulated() -> LogTable {
 }
 
 #[test]
+fn what_stands_after_the_end_is_refused() {
+    let whole = bytes(&simulated(), LogFormat::Mcap);
+    for after in [&whole[..], b"and more"] {
+        let error = read_bytes(&[&whole[..], after].concat(), LogFormat::Mcap).unwrap_err();
+        assert!(error.to_string().contains("bytes after its end"), "{error}");
+    }
+}
+
+#[test]
 fn every_message_of_a_run_is_valid_by_its_own_schema() {
     let table = simulated();
     let bytes = bytes(&table, LogFormat::Mcap);
