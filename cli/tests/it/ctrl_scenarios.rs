@@ -208,11 +208,16 @@ fn campaigns_take_files_and_folders_and_name_them() {
     let folder = folder.path();
     others(folder);
     let args = ["ctrl", "campaign", "--runs", "16", "--format", "json"];
-    let scenarios = ["--scenario", "mine.toml", "others", "mine.toml", "track"];
+    let scenarios = ["--scenario", "mine.toml", "others", "./mine.toml", "track"];
     let out = drivekit_in(folder, &[&args[..], &scenarios].concat());
     assert_eq!(out.code, 1, "{}", out.stderr);
     assert!(
         out.stderr.contains("left out") && out.stderr.contains("link.toml"),
+        "{}",
+        out.stderr
+    );
+    assert!(
+        out.stderr.contains("mine.toml: without ") && out.stderr.contains("guards of the hardened"),
         "{}",
         out.stderr
     );

@@ -138,7 +138,7 @@ fn taken(spec: &ScenarioSpec) -> impl Iterator<Item = Adaptation> {
 }
 
 fn starts_outside(demands: &Demands) -> Option<Adaptation> {
-    let is_outside = demands.largest_start_m > demands.half_width_m;
+    let is_outside = demands.largest_start_m >= demands.half_width_m;
     is_outside.then_some(Adaptation::StartsOutside {
         start_m: demands.largest_start_m,
         half_width_m: demands.half_width_m,

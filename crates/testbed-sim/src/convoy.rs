@@ -22,6 +22,8 @@ pub struct Convoy<'a> {
     tracks: Tracks,
     /// All robots as they were before anybody's decision at a time
     sight: Vec<Option<Place>>,
+    /// Where each is, or where the scenario lets one start that was never seen: it may stand before one that was
+    located: Vec<Located>,
     sight_at_s: f64,
     /// Along the path, and from there to the next robot ahead, in m
     along_m: Vec<f64>,
@@ -47,6 +49,10 @@ impl<'a> Convoy<'a> {
         Self {
             scenario,
             sight: vec![None; robots.len()],
+            located: robots
+                .clone()
+                .map(|robot| at_start(scenario, robot))
+                .collect(),
             along_m: vec![f64::NAN; robots.len()],
             room_m: vec![f64::INFINITY; robots.len()],
             right_of_way: RightOfWay::new(scenario.controller(), robots.len()),
@@ -184,6 +190,7 @@ impl<'a> Convoy<'a> {
                 let leader = &mut sighting.leader;
                 let foot = needs_foot.then(|| self.tracks.foot(controller, robot, &leader.state));
                 leader.near_m = foot.map(|foot| foot.s_m);
+                self.located[robot] = leader.located();
                 Place { sighting, foot }
             });
         }
@@ -224,24 +231,16 @@ impl<'a> Convoy<'a> {
         }
     }
 
-    /// Whom a robot follows. Who was never seen counts where the scenario lets it start: it may stand before one that was.
+    /// Whom a robot follows.
     fn leader(&self, robot: usize) -> Option<usize> {
-        let own = self.sight[robot].as_ref()?.sighting.leader.located();
-        let located = |other: usize| match &self.sight[other] {
-            Some(place) => place.sighting.leader.located(),
-            None => self.at_start(other),
-        };
-        let others = (0..self.robots()).filter(|other| *other != robot);
-        let others = others.map(|other| (other, Some(located(other))));
-        self.scenario.controller().leader(&own, others)
-    }
-
-    fn at_start(&self, robot: usize) -> Located {
-        let offset_m = self.scenario.controller().body().offset_m;
-        Located {
-            state: self.scenario.starts()[robot].state(offset_m, Speeds::ZERO),
-            near_m: Some(self.scenario.start_m(robot)),
-        }
+        self.sight[robot].as_ref()?;
+        let others = self.located.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != robot);
+        let controller = self.scenario.controller();
+        controller.leader(
+            &self.located[robot],
+            others.map(|(other, at)| (other, Some(*at))),
+        )
     }
 
     /// Where a robot was seen along the path, in m.
@@ -282,5 +281,13 @@ impl<'a> Convoy<'a> {
             }
         }
         found
+    }
+}
+
+fn at_start(scenario: &Scenario, robot: usize) -> Located {
+    let offset_m = scenario.controller().body().offset_m;
+    Located {
+        state: scenario.starts()[robot].state(offset_m, Speeds::ZERO),
+        near_m: Some(scenario.start_m(robot)),
     }
 }

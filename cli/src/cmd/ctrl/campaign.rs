@@ -17,7 +17,7 @@ use crate::words::plural;
 use clap::Args;
 use serde::Serialize;
 use testbed_sim::campaign::{Tally, Violation};
-use testbed_sim::{Campaign, CampaignReport, Disturbances, Group, SettingsOf};
+use testbed_sim::{Campaign, CampaignReport, Disturbances, Group, NamedScenario, SettingsOf};
 use unicycle_cbf::{Demands, Preset, Scenario, Testbed};
 
 /// Thousands of seeded runs under disturbances, and which of them were unsafe
@@ -146,7 +146,7 @@ impl CampaignArgs {
                     reason,
                 }),
                 Ok(Ok(scenario)) => {
-                    if let Some(text) = self.beyond(&scenario) {
+                    for text in self.notes(&named, &scenario) {
                         output::note(context, &format!("{}: {text}", named.name));
                     }
                     scenarios.push(named);
@@ -167,12 +167,28 @@ impl CampaignArgs {
 }
 
 impl CampaignArgs {
-    /// A note where disturbances are larger than a scenario states.
-    fn beyond(&self, scenario: &Scenario) -> Option<String> {
+    /// What runs do otherwise than a file says, how many guards it lacks, and where disturbances are larger than it states.
+    fn notes(&self, named: &NamedScenario, scenario: &Scenario) -> Vec<String> {
         let demands = Demands::new(scenario);
+        let mut notes = Vec::new();
+        if is_path(&named.name) {
+            notes = check::notes(&named.spec, &demands);
+            let missing = named.spec.controller.missing_guards().len();
+            if missing > 0 {
+                notes.push(format!(
+                    "without {} nothing is guaranteed; `drivekit ctrl check` lists them",
+                    plural(missing, "guard of the hardened preset")
+                ));
+            }
+        }
+        notes.extend(self.beyond(scenario, &demands));
+        notes
+    }
+
+    fn beyond(&self, scenario: &Scenario, demands: &Demands) -> Option<String> {
         let stated = &scenario.spec().controller.hardening;
         let mut groups = self.disturb.iter();
-        groups.find_map(|group| beyond::note(&Disturbances::HARD.only(*group), stated, &demands))
+        groups.find_map(|group| beyond::note(&Disturbances::HARD.only(*group), stated, demands))
     }
 }
 

@@ -184,7 +184,7 @@ fn text(body: &Body, lacks_guards: bool) -> String {
     }
     let verdict = if !demands.is_guaranteed {
         "not known whether it fits: these settings lack guards, and nothing is guaranteed"
-    } else if demands.largest_start_m > demands.half_width_m {
+    } else if demands.largest_start_m >= demands.half_width_m {
         "fits, but for a start outside of the lane"
     } else if body.slowed {
         "fits at a lower speed than asked for"

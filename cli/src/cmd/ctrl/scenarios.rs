@@ -110,12 +110,17 @@ fn files_of(arguments: &[&String], context: &Context) -> anyhow::Result<Vec<Path
             vec![path.to_owned()]
         };
         for file in found {
-            if !files.contains(&file) {
+            if !files.iter().any(|known| is_same(known, &file)) {
                 files.push(file);
             }
         }
     }
     Ok(files)
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| path.canonicalize().ok();
+    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b))
 }
 
 /// A folder may hold other files of settings, those of links for example, which are named.

@@ -63,7 +63,7 @@ pub struct Finding {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FindingKind {
-    /// Lines without four numbers within ±1e12; dropped
+    /// Lines without four numbers within ±1e12, or with more fields than the first; dropped
     NoNumbers,
     /// Times earlier than the one before; sorted
     OutOfOrder,

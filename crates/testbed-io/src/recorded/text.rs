@@ -32,6 +32,7 @@ struct Shape {
     /// Time, x, y and heading
     fields: [usize; 4],
     robot: Option<usize>,
+    columns: usize,
     /// Lines before the first pose
     before: usize,
 }
@@ -87,6 +88,20 @@ pub(super) fn read(
 }
 
 impl Shape {
+    /// A column that is read and whose name the header has twice.
+    fn twice<'a>(&self, header: &'a str) -> Option<&'a str> {
+        let names: Vec<&str> = header.split(self.delimiter?).map(clean).collect();
+        let read = self.fields.into_iter().chain(self.robot);
+        let mut read = read.filter_map(|field| names.get(field).copied());
+        read.find(|name| {
+            names
+                .iter()
+                .filter(|other| other.eq_ignore_ascii_case(name))
+                .count()
+                > 1
+        })
+    }
+
     /// The robot of a line if it names one, and the pose if it has one.
     fn split<'a>(&self, line: &'a str) -> (Option<&'a str>, Option<RecordedPose>) {
         match self.delimiter {
@@ -101,10 +116,12 @@ impl Shape {
     ) -> (Option<&'a str>, Option<RecordedPose>) {
         let mut robot = None;
         let mut values = [f64::NAN; 4];
+        let mut has_room = true;
         for (index, field) in fields.enumerate() {
             if self.robot == Some(index) && !field.is_empty() {
                 robot = Some(field);
             }
+            has_room &= index < self.columns || field.is_empty();
             if let Some(of) = self.fields.iter().position(|field| *field == index) {
                 values[of] = field.parse().unwrap_or(f64::NAN);
             }
@@ -116,7 +133,8 @@ impl Shape {
             y_m,
             heading_rad,
         };
-        let whole = values.iter().all(|value| value.abs() < LIMIT)
+        let whole = has_room
+            && values.iter().all(|value| value.abs() < LIMIT)
             && (self.robot.is_none() || robot.is_some());
         (robot, whole.then_some(pose))
     }
@@ -149,6 +167,11 @@ fn shape(path: &Path, text: &str, layout: RecordingLayout) -> Result<Shape, Erro
             .or_else(|| mrclam(first, before)),
     };
     let odometry = first.split(',').any(|field| clean(field) == "v_mps");
+    if let Some(twice) = shape.as_ref().and_then(|shape| shape.twice(first)) {
+        let found = format!("two columns are called {twice}");
+        let help = "leave one in the file";
+        return Err(content(path, Some(before + 1), &found, help));
+    }
     match shape {
         Some(_) if odometry && layout != RecordingLayout::Csv => {
             let found = "odometry, which drifts: it has a column v_mps";
@@ -185,6 +208,7 @@ fn mrclam(first: &str, before: usize) -> Option<Shape> {
         delimiter: None,
         fields: [0, 1, 2, 3],
         robot: None,
+        columns: 4,
         before,
     })
 }
@@ -202,6 +226,7 @@ fn table(header: &str, before: usize, names: [&str; 4]) -> Option<Shape> {
             delimiter: Some(delimiter),
             fields: [time, x, y, heading],
             robot: position("robot"),
+            columns: header.split(delimiter).count(),
             before: before + 1,
         })
     })

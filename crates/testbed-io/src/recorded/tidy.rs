@@ -21,7 +21,9 @@ pub(super) fn tidy(robot: RawRobot, start_s: f64) -> RecordedRobot {
     }
     let bad = robot.first_bad.map(|(line, before)| {
         let at = before.checked_sub(1).map(|last| poses[last].time_s);
-        let detail = format!("lines without four numbers are dropped, first line {line}");
+        let detail = format!(
+            "lines without four numbers, or longer than the first, are dropped, first line {line}"
+        );
         finding(FindingKind::NoNumbers, robot.bad_lines, at, detail)
     });
     let order = out_of_order(&poses);
@@ -82,15 +84,20 @@ fn out_of_order(poses: &[RecordedPose]) -> Option<Finding> {
 fn drop_duplicates(poses: &mut Vec<RecordedPose>) -> Option<Finding> {
     let before = poses.len();
     let mut first = None;
+    let mut apart_m = 0.0_f64;
     poses.dedup_by(|next, kept| {
         let same = next.time_s.total_cmp(&kept.time_s).is_eq();
         if same {
             first.get_or_insert(kept.time_s);
+            apart_m = apart_m.max(distance_m(kept, next));
             *kept = *next;
         }
         same
     });
-    let detail = "of poses at the same time the newest is kept".to_owned();
+    let mut detail = "of poses at the same time the newest is kept".to_owned();
+    if apart_m > 0.0 {
+        detail.push_str(&format!("; they are up to {apart_m:.3} m apart"));
+    }
     first.map(|at| {
         finding(
             FindingKind::DuplicateTime,
@@ -101,9 +108,13 @@ fn drop_duplicates(poses: &mut Vec<RecordedPose>) -> Option<Finding> {
     })
 }
 
+fn distance_m(a: &RecordedPose, b: &RecordedPose) -> f64 {
+    (b.x_m - a.x_m).hypot(b.y_m - a.y_m)
+}
+
 fn jumps(poses: &[RecordedPose]) -> Option<Finding> {
     let speed = |a: &RecordedPose, b: &RecordedPose| {
-        let speed = (b.x_m - a.x_m).hypot(b.y_m - a.y_m) / (b.time_s - a.time_s);
+        let speed = distance_m(a, b) / (b.time_s - a.time_s);
         (speed > MAX_SPEED).then_some(speed)
     };
     steps(poses, speed).map(|(count, at, most)| {

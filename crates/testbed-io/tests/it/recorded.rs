@@ -142,7 +142,12 @@ fn what_is_odd_is_found() {
     };
     expect(FindingKind::NoNumbers, 2, 0.25, "first line 4");
     expect(FindingKind::OutOfOrder, 1, 0.25, "up to 0.125 s");
-    expect(FindingKind::DuplicateTime, 1, 0.25, "newest");
+    expect(
+        FindingKind::DuplicateTime,
+        1,
+        0.25,
+        "newest is kept; they are up to 0.100 m apart",
+    );
     expect(FindingKind::Jump, 1, 0.25, "9.0 m/s");
     expect(FindingKind::Gap, 1, 0.25, "at most 1.00 s");
     expect(FindingKind::Degrees, 3, 0.0, "up to 90.0");
@@ -152,6 +157,24 @@ fn what_is_odd_is_found() {
         &format!("{header}0,0,0,6.3\n0.5,1,0,-6.3\n1,1,0,0"),
     );
     assert_eq!(fine.robots[0].findings, []);
+}
+
+#[test]
+fn a_line_with_more_fields_than_the_first_is_dropped() {
+    let header = "time_s,x_m,y_m,heading_rad\n";
+    let recording = auto(
+        "long.csv",
+        &format!("{header}0,1,2,3,\n1,1,5,2,3\n2,1,2,3\n"),
+    );
+    assert_eq!(recording.robots[0].poses.len(), 2);
+    assert_eq!(found(&recording, FindingKind::NoNumbers).unwrap().count, 1);
+}
+
+#[test]
+fn two_columns_of_one_name_are_refused() {
+    let text = "time_s,x_m,y_m,X_M,heading_rad\n0,1,2,3,4\n";
+    let error = message("twice.csv", text);
+    assert!(error.contains("two columns are called x_m"), "{error}");
 }
 
 #[test]
