@@ -88,7 +88,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
                 name: &input.drive.name,
                 origin: &input.drive.origin,
                 vehicle: &vehicle.spec().name,
-                energy: drive_energy(drive, vehicle, |_| {}).with_context(|| input.label())?,
+                energy: drive_energy(drive, vehicle, &mut |_| {}).with_context(|| input.label())?,
                 curve: None,
             })
         })

@@ -14,7 +14,7 @@ pub(super) fn write(path: &Path, motions: &[Motion], vehicle: &Vehicle) -> anyho
         let _ = write!(text, ",{name}");
     }
     text.push_str(",measured_power_w\n");
-    drive_energy(motions, vehicle, |step| {
+    drive_energy(motions, vehicle, &mut |step| {
         let _ = write!(text, "{}", step.time_s);
         for (_, value) in COLUMNS {
             let _ = write!(text, ",{}", value(step));

@@ -180,7 +180,7 @@ pub struct EnergyStep {
 pub fn drive_energy(
     motions: &[Motion],
     vehicle: &Vehicle,
-    mut visit: impl FnMut(&EnergyStep),
+    visit: &mut dyn FnMut(&EnergyStep),
 ) -> Result<DriveEnergy, Error> {
     let mut total = DriveEnergy::default();
     let mut comparison = Comparison::default();

@@ -20,7 +20,7 @@ fn drive(channels: &[(Channel, f64)]) -> Drive {
 }
 
 fn energy(channels: &[(Channel, f64)]) -> driver_model::energy::DriveEnergy {
-    drive_energy(&motions(&[&drive(channels)]), &i3(), |_| {}).unwrap()
+    drive_energy(&motions(&[&drive(channels)]), &i3(), &mut |_| {}).unwrap()
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn an_error_about_one_of_many_drives_names_it() {
     let rocket = steady("rocket", 2000.0, &[(Channel::Elevation, 500.0)]);
     let drives = motions(&[&drive(&[]), &rocket]);
     let errors = [
-        drive_energy(&motions(&[&rocket]), &i3(), |_| {}).err(),
+        drive_energy(&motions(&[&rocket]), &i3(), &mut |_| {}).err(),
         Portrait::of(&drives, &i3(), &PhaseSettings::default()).err(),
     ];
     for error in errors {
@@ -84,7 +84,7 @@ fn a_car_that_creeps_back_at_every_stop_drives_on() {
     };
     let [standing, back] = [0.0, -0.01].map(creeping);
     let energy_j = |drive: &Drive| {
-        let energy = drive_energy(&motions(&[drive]), &i3(), |_| {}).unwrap();
+        let energy = drive_energy(&motions(&[drive]), &i3(), &mut |_| {}).unwrap();
         energy.modelled.terminal_energy_j
     };
     assert!((energy_j(&back) / energy_j(&standing) - 1.0).abs() < 0.1);
