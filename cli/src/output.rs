@@ -43,6 +43,13 @@ pub(crate) fn print_to_reader(text: &str) -> anyhow::Result<Reader> {
     }
 }
 
+/// Writes a page and says where.
+pub(crate) fn write_page(path: &Path, page: &str, context: &Context) -> anyhow::Result<()> {
+    write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
+    note(context, &format!("report written to {}", path.display()));
+    Ok(())
+}
+
 /// A remark on stderr, also with `--quiet`.
 pub(crate) fn announce(text: &str) {
     let _ = writeln!(anstream::stderr().lock(), "\u{1b}[1mnote:\u{1b}[0m {text}");

@@ -88,8 +88,7 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = report::CALIBRATION.filled(&serde_json::to_value(&document)?);
-        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        output::note(context, &format!("report written to {}", path.display()));
+        output::write_page(path, &page, context)?;
     }
     match context.format {
         Format::Json => output::print_json(&document)?,

@@ -192,7 +192,7 @@ fn an_endless_file_is_refused_from_its_first_block() {
     let zeros = fs::File::open("/dev/zero").unwrap();
     let mut of_stdin = Command::new(env!("CARGO_BIN_EXE_drivekit"));
     run(of_stdin.args(["inspect", "-"]).stdin(zeros).output()).refused(&["stdin", "binary"]);
-    assert!(before.elapsed() < Duration::from_secs(5));
+    assert!(before.elapsed() < Duration::from_secs(30));
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn a_first_line_of_a_hundred_megabytes_is_refused_in_seconds() {
     write(folder.path(), "line.csv", b"speed ".repeat(100_000_000 / 6));
     let before = Instant::now();
     inspect(folder.path(), &["line.csv"]).refused(&["line.csv", "line 1", "longer than"]);
-    assert!(before.elapsed() < Duration::from_secs(5));
+    assert!(before.elapsed() < Duration::from_secs(30));
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! slope in `q` vanishes whether or not the sum falls inward, and towards one the method is slow. So it runs twice: what
 //! ended near a bound to which the sum falls is put on it, and what ended at a bound from which it falls is taken off it.
 
+use ev_energy::calibration::Bounds;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
 use nalgebra::{Const, DVector, Dyn, OMatrix, SVector};
@@ -39,52 +40,20 @@ const SAME_SUM: f64 = 1e-12;
 /// Cosine between residuals and derivative by a parameter below which the sum does not fall along it.
 const LEVEL: f64 = 1e-7;
 
-/// Bounds of a parameter and the free variable `q` in place of it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-}
-
-impl Bounds {
-    pub(crate) fn width(self) -> f64 {
-        self.upper - self.lower
-    }
-
-    /// `q` of a value.
-    pub(crate) fn free(self, value: f64) -> f64 {
-        let share = (value - self.lower) / self.width();
-        (2.0 * share - 1.0).clamp(-1.0, 1.0).asin()
-    }
-
-    /// The value at `q`.
-    pub(crate) fn bounded(self, free: f64) -> f64 {
-        let value = self.lower + self.width() * 0.5 * (1.0 + free.sin());
-        value.clamp(self.lower, self.upper)
-    }
-
-    /// Derivative of the value by `q`, 0 at a bound.
-    pub(crate) fn slope(self, free: f64) -> f64 {
-        let cos = free.cos();
-        let rounded = if cos.abs() < 1e-12 { 0.0 } else { cos };
-        0.5 * self.width() * rounded
-    }
-
-    /// Where to go on from a value, given the cosine of [`LEVEL`], which has the sign of the slope of the sum; `None` where
-    /// it is.
-    fn amended(self, value: f64, cosine: f64) -> Option<f64> {
-        let is_low = value - self.lower < self.upper - value;
-        let bound = if is_low { self.lower } else { self.upper };
-        let share = (value - bound).abs() / self.width();
-        let falls_outward = (cosine > 0.0) == is_low;
-        if cosine.abs() < LEVEL {
-            None
-        } else if falls_outward {
-            (share > 0.0 && share < NEAR_BOUND).then(|| self.free(bound))
-        } else {
-            let inside = bound + (0.5 * (self.lower + self.upper) - bound) * 2.0 * OFF_BOUND;
-            (share < AT_BOUND).then(|| self.free(inside))
-        }
+/// Where to go on from a value, given the cosine of [`LEVEL`], which has the sign of the slope of the sum; `None` where
+/// it is.
+fn amended(bounds: Bounds, value: f64, cosine: f64) -> Option<f64> {
+    let is_low = value - bounds.lower < bounds.upper - value;
+    let bound = if is_low { bounds.lower } else { bounds.upper };
+    let share = (value - bound).abs() / bounds.width();
+    let falls_outward = (cosine > 0.0) == is_low;
+    if cosine.abs() < LEVEL {
+        None
+    } else if falls_outward {
+        (share > 0.0 && share < NEAR_BOUND).then(|| bounds.free(bound))
+    } else {
+        let inside = bound + (0.5 * (bounds.lower + bounds.upper) - bound) * 2.0 * OFF_BOUND;
+        (share < AT_BOUND).then(|| bounds.free(inside))
     }
 }
 
@@ -223,7 +192,7 @@ impl<const N: usize> Curve<N> {
         for i in 0..N {
             let norm = (squares[i] * fit.residual_sum_of_squares).sqrt();
             let cosine = if norm > 0.0 { products[i] / norm } else { 0.0 };
-            if let Some(amended) = self.bounds(i).amended(p[i], cosine) {
+            if let Some(amended) = amended(self.bounds(i), p[i], cosine) {
                 free[i] = amended;
                 any = true;
             }
@@ -247,7 +216,7 @@ struct Problem<'a, const N: usize> {
 
 impl<const N: usize> Problem<'_, N> {
     fn parameters(&self) -> [f64; N] {
-        std::array::from_fn(|i| self.curve.bounds(i).bounded(self.free[i]))
+        std::array::from_fn(|i| self.curve.bounds(i).value(self.free[i]))
     }
 }
 
@@ -302,13 +271,13 @@ mod tests {
     #[test]
     fn values_within_bounds_come_back_and_others_are_clamped() {
         for value in [-1.0, -0.999, 0.0, 1.0, 2.5, 3.0] {
-            assert!((BOUNDS.bounded(BOUNDS.free(value)) - value).abs() < 1e-12);
+            assert!((BOUNDS.value(BOUNDS.free(value)) - value).abs() < 1e-12);
         }
-        assert!((BOUNDS.bounded(BOUNDS.free(7.0)) - 3.0).abs() < 1e-12);
+        assert!((BOUNDS.value(BOUNDS.free(7.0)) - 3.0).abs() < 1e-12);
         for free in [-40.0, -1.0, 0.3, 2.0, 1e9] {
-            assert!((-1.0..=3.0).contains(&BOUNDS.bounded(free)));
+            assert!((-1.0..=3.0).contains(&BOUNDS.value(free)));
             let step = 1e-6;
-            let rise = BOUNDS.bounded(0.3 + step) - BOUNDS.bounded(0.3 - step);
+            let rise = BOUNDS.value(0.3 + step) - BOUNDS.value(0.3 - step);
             assert!((BOUNDS.slope(0.3) - rise / (2.0 * step)).abs() < 1e-6);
         }
     }

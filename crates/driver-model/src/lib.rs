@@ -1,4 +1,4 @@
-//! How a driver accelerates, learnt from recorded drives, and how well that predicts drives it has not seen.
+//! How a driver accelerates, brakes, holds a speed and follows, learnt from recorded drives.
 //!
 //! Of an acceleration or braking phase a model may know the speed `v0` at its start, its duration `T` and, some, the speed
 //! `v_end` at its end; it answers with the speed `v(t)`, `0 ≤ t ≤ T`:

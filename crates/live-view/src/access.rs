@@ -8,7 +8,6 @@
 use std::hint::black_box;
 use std::net::SocketAddr;
 
-use anyhow::anyhow;
 use axum::http::header::{AUTHORIZATION, HOST, HeaderMap, HeaderValue, ORIGIN};
 use axum::http::uri::{Authority, Uri};
 use axum::http::{Method, StatusCode};
@@ -16,9 +15,9 @@ use axum::http::{Method, StatusCode};
 const TOKEN_BYTES: usize = 16;
 
 /// Random bytes from the operating system, as hexadecimal digits.
-pub(super) fn random_hex<const N: usize>() -> anyhow::Result<String> {
+pub(super) fn random_hex<const N: usize>() -> Result<String, getrandom::Error> {
     let mut bytes = [0; N];
-    getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers: {error}"))?;
+    getrandom::fill(&mut bytes)?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -30,7 +29,7 @@ pub(super) struct Access {
 }
 
 impl Access {
-    pub(super) fn new(address: SocketAddr) -> anyhow::Result<Self> {
+    pub(super) fn new(address: SocketAddr) -> Result<Self, getrandom::Error> {
         Ok(Self {
             watch: random_hex::<TOKEN_BYTES>()?,
             control: random_hex::<TOKEN_BYTES>()?,

@@ -15,12 +15,6 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The system gives no random numbers for the tokens.
-    #[error("{0}")]
-    RandomNumbers(Box<dyn std::error::Error + Send + Sync>),
-}
-
-impl Error {
-    pub(crate) fn no_random_numbers(error: anyhow::Error) -> Self {
-        Self::RandomNumbers(error.into())
-    }
+    #[error("no random numbers for the tokens of the view")]
+    RandomNumbers(#[from] getrandom::Error),
 }

@@ -106,11 +106,11 @@ impl View {
             .map_err(failed)?;
         let listener = listen(address, &runtime).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        let access = Access::new(address).map_err(Error::no_random_numbers)?;
+        let access = Access::new(address)?;
         let (watch_url, control_url) = access.urls(address);
         let session = ShownSession {
             access,
-            name: random_hex::<8>().map_err(Error::no_random_numbers)?,
+            name: random_hex::<8>()?,
             title,
             lane,
             stop,

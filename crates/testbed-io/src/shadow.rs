@@ -228,10 +228,13 @@ fn doubts(scenario: &Scenario, recording: &Recording, mut sights: Sights) -> Vec
     let end_s = scenario.spec().duration_s;
     sights.over(end_s, |_, time_s| fastest_mps * time_s);
     for (robot, recorded) in recording.robots.iter().enumerate() {
-        let mut findings = recorded.findings.iter();
-        let beyond_turn = findings.any(|finding| finding.kind == FindingKind::Degrees);
-        if beyond_turn && along_heading(recorded).is_none_or(|share| share < LEAST_ALONG) {
+        let found = |kind| recorded.findings.iter().any(|finding| finding.kind == kind);
+        let along = along_heading(recorded);
+        if along.map_or(found(FindingKind::Degrees), |share| share < LEAST_ALONG) {
             sights.doubt(Doubt::Headings(robot));
+        }
+        if found(FindingKind::TwoPlaces) {
+            sights.doubt(Doubt::TwoPlaces(robot));
         }
     }
     let names: Vec<&str> = recording.robots.iter().map(|r| r.name.as_str()).collect();

@@ -27,6 +27,20 @@ pub enum Adaptation {
         /// Half width of the lane, in m
         half_width_m: f64,
     },
+    /// A robot starts within its lane and beyond what rows keep
+    StartsBeyondRows {
+        /// The largest start beside the path, in m
+        start_m: f64,
+        /// Within which rows keep robots, in m
+        kept_within_m: f64,
+    },
+    /// Robots start nearer to each other than errors allow
+    StartsNear {
+        /// The least beyond what bodies and headways need, in m
+        room_m: f64,
+        /// What errors take of it, in m
+        margin_m: f64,
+    },
     /// Wheels are too sluggish for their full speed
     Agility {
         /// In m/s²
@@ -109,6 +123,8 @@ impl Adaptation {
         let mut all = Vec::new();
         all.extend(taken(spec));
         all.extend(starts_outside(demands));
+        all.extend(starts_beyond_rows(demands));
+        all.extend(starts_near(demands));
         all.extend(agility(spec, demands));
         all.extend(settling(spec, demands));
         all.extend(slowed(demands));
@@ -143,6 +159,22 @@ fn starts_outside(demands: &Demands) -> Option<Adaptation> {
         start_m: demands.largest_start_m,
         half_width_m: demands.half_width_m,
     })
+}
+
+fn starts_beyond_rows(demands: &Demands) -> Option<Adaptation> {
+    let (start_m, kept_within_m) = (demands.largest_start_m, demands.kept_within_m);
+    let is_beyond = start_m > kept_within_m && start_m < demands.half_width_m;
+    (demands.is_guaranteed && is_beyond).then_some(Adaptation::StartsBeyondRows {
+        start_m,
+        kept_within_m,
+    })
+}
+
+fn starts_near(demands: &Demands) -> Option<Adaptation> {
+    let margin_m = demands.standing_margin_m;
+    let room_m = demands.least_room_at_start_m?;
+    (demands.is_guaranteed && room_m < margin_m)
+        .then_some(Adaptation::StartsNear { room_m, margin_m })
 }
 
 fn agility(spec: &ScenarioSpec, demands: &Demands) -> Option<Adaptation> {
@@ -239,6 +271,21 @@ impl Display for Adaptation {
                 "a robot starts {:.1} mm beside the path, outside of its lane of {:.1} mm: the run is unsafe from its start",
                 mm(start_m),
                 mm(half_width_m)
+            ),
+            Self::StartsBeyondRows {
+                start_m,
+                kept_within_m,
+            } => write!(
+                out,
+                "a robot starts {:.1} mm beside the path, and rows keep it within {:.1} mm: nothing is guaranteed until it is there",
+                mm(start_m),
+                mm(kept_within_m)
+            ),
+            Self::StartsNear { room_m, margin_m } => write!(
+                out,
+                "two robots start with {:.1} mm more between them than they need, and errors take {:.1} mm: nothing is guaranteed until they are farther apart",
+                mm(room_m),
+                mm(margin_m)
             ),
             Self::Agility {
                 acceleration_mps2,

@@ -96,10 +96,11 @@ impl<'a> Convoy<'a> {
             return pilot.decide_among(controller, now_s, around, &objectives);
         }
         let around = self.neighbours(robot);
-        let ahead = around.leader.map_or_else(
-            || self.nobody_or_unseen(robot),
-            |leader| self.sight[leader].map(|seen| seen.sighting).into(),
-        );
+        let ahead = match around.leader {
+            _ if self.is_near_unseen(robot) => Ahead::Unseen,
+            Some(leader) => self.sight[leader].map(|seen| seen.sighting).into(),
+            None => self.nobody_or_unseen(robot),
+        };
         let count = around.nearest.iter().flatten().count();
         let others = around.nearest.map(|other| {
             let seen = other.and_then(|other| self.sight[other]);
@@ -229,6 +230,14 @@ impl<'a> Convoy<'a> {
         } else {
             Ahead::Nobody
         }
+    }
+
+    /// Whether one that was never seen may be in reach: nobody drives towards it, forward or back.
+    fn is_near_unseen(&self, robot: usize) -> bool {
+        let controller = self.scenario.controller();
+        let own = &self.located[robot].state;
+        let mut others = self.sight.iter().zip(&self.located);
+        others.any(|(seen, other)| seen.is_none() && controller.reaches(own, &other.state))
     }
 
     /// Whom a robot follows.

@@ -36,18 +36,10 @@ impl Scenario {
         if !controller.settings().hardening.regards_every_robot() {
             return self.check_bodies();
         }
-        let start = |robot: usize, speeds: Speeds| Located {
-            state: self.starts()[robot].state(controller.body().offset_m, speeds),
-            near_m: Some(self.start_m(robot)),
-        };
-        for (robot, own) in self.starts().iter().enumerate() {
-            for (other, place) in self.starts()[..robot].iter().enumerate() {
-                let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
+        for robot in 0..self.starts().len() {
+            for other in 0..robot {
                 let least_m = controller.least_distance_m();
-                let ahead = start(other, Speeds::ZERO);
-                let moving = start(robot, self.initial_speeds(robot));
-                let headway_m = (other + 1 == robot && controller.follows(&moving, &ahead))
-                    .then(|| controller.headway(&moving, &ahead, None).value);
+                let (apart_m, headway_m) = self.between_starts_m(robot, other);
                 if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
                     continue;
                 }
@@ -67,6 +59,35 @@ impl Scenario {
             }
         }
         Ok(())
+    }
+
+    /// What two robots have between their axles at the start, and the headway of the first where it follows the other.
+    fn between_starts_m(&self, robot: usize, other: usize) -> (f64, Option<f64>) {
+        let controller = self.controller();
+        let start = |robot: usize, speeds: Speeds| Located {
+            state: self.starts()[robot].state(controller.body().offset_m, speeds),
+            near_m: Some(self.start_m(robot)),
+        };
+        let (own, place) = (self.starts()[robot], self.starts()[other]);
+        let apart_m = (own.x_m - place.x_m).hypot(own.y_m - place.y_m);
+        let ahead = start(other, Speeds::ZERO);
+        let moving = start(robot, self.initial_speeds(robot));
+        let headway_m = (other + 1 == robot && controller.follows(&moving, &ahead))
+            .then(|| controller.headway(&moving, &ahead, None).value);
+        (apart_m, headway_m)
+    }
+
+    /// The least that two robots have at the start beyond what bodies and headways need, in m; none of a single robot.
+    #[must_use]
+    pub fn least_room_at_start_m(&self) -> Option<f64> {
+        let least_m = self.controller().least_distance_m();
+        let robots = 0..self.starts().len();
+        let pairs = robots.flat_map(|robot| (0..robot).map(move |other| (robot, other)));
+        let rooms = pairs.map(|(robot, other)| {
+            let (apart_m, headway_m) = self.between_starts_m(robot, other);
+            (apart_m - least_m).min(headway_m.unwrap_or(f64::INFINITY))
+        });
+        rooms.reduce(f64::min)
     }
 
     fn check_bodies(&self) -> Result<(), Error> {

@@ -20,6 +20,9 @@ use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
+/// From which difference of durations on there is something to say, in s.
+const NOTED_S: f64 = 0.1;
+
 /// Every decision of a run log once more, or controllers beside recorded poses
 ///
 /// A run log holds the poses that arrived and all settings, so that every decision is repeated and compared bit for bit; exit
@@ -195,7 +198,16 @@ fn beside(
             let mut spec = RunFile::read(file)?.scenario;
             if let Some(had_s) = lengthen(&mut spec, &recording) {
                 let text = format!(
-                    "the scenario lasts {had_s} s and the recording {:.1} s: all of it is judged",
+                    "the scenario lasts {had_s:.1} s and the recording {:.1} s: all of it is judged",
+                    spec.duration_s
+                );
+                if spec.duration_s - had_s >= NOTED_S {
+                    output::note(context, &text);
+                }
+            } else if spec.duration_s - recording.end_s() >= NOTED_S {
+                let text = format!(
+                    "the recording ends at {:.1} s, the scenario at {:.1} s: of what was after it nothing is known (`duration_s` of the scenario)",
+                    recording.end_s(),
                     spec.duration_s
                 );
                 output::note(context, &text);

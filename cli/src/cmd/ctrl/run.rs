@@ -281,8 +281,7 @@ impl Outputs {
     ) -> anyhow::Result<()> {
         if let Some(path) = &self.report {
             let page = report::CONTROL.filled(&serde_json::to_value(&document)?);
-            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-            output::note(context, &format!("report written to {}", path.display()));
+            output::write_page(path, &page, context)?;
             document.body.figures = None;
         }
         let link = document.body.spec.link.as_ref();

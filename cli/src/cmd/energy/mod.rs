@@ -125,8 +125,7 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
             entry.curve = Some(std::mem::take(&mut entry.energy.curve));
         }
         let page = report::ENERGY.filled(&serde_json::to_value(&document)?);
-        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        output::note(context, &format!("report written to {}", path.display()));
+        output::write_page(path, &page, context)?;
     }
     Ok(inputs::outcome(&inputs).and(outcome))
 }

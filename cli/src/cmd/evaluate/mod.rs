@@ -103,8 +103,7 @@ impl EvaluateArgs {
                 &findings,
                 &trips,
             ));
-            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-            output::note(context, &format!("report written to {}", path.display()));
+            output::write_page(path, &page, context)?;
         }
         match context.format {
             Format::Json => output::print_json(&document)?,

@@ -87,8 +87,7 @@ pub(crate) fn run(args: &PortraitArgs, context: &Context) -> anyhow::Result<Outc
     let outcome = document.judged(&args.require)?;
     if let Some(path) = &args.report {
         let page = report::PORTRAIT.filled(&serde_json::to_value(&document)?);
-        output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        output::note(context, &format!("page written to {}", path.display()));
+        output::write_page(path, &page, context)?;
     }
     match context.format {
         Format::Json => output::print_json(&document)?,

@@ -15,7 +15,7 @@ use super::names::{ScaleArg, SegmentsArg};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, ReadingArgs};
 use crate::inputs;
-use crate::output::{note, print_json, print_text, write_file};
+use crate::output::{self, note, print_json, print_text};
 use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
@@ -76,8 +76,7 @@ pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outco
         let mut report = serde_json::to_value(&document)?;
         report["figures"] = comparison.figures(log)?;
         let page = report::SEGMENTATION.filled(&report);
-        write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-        note(context, &format!("report written to {}", path.display()));
+        output::write_page(path, &page, context)?;
     }
     match context.format {
         Format::Json => print_json(&document)?,

@@ -115,33 +115,38 @@ pub(super) fn cut_state_of_charge(checked: &mut Checked) {
     };
     let (time_s, speed_mps) = (checked.log.time_s(), checked.log.speed_mps());
     let mut jumps = Vec::new();
-    for i in 1..soc_pct.len() {
-        let (step_s, step_pct) = (time_s[i] - time_s[i - 1], soc_pct[i] - soc_pct[i - 1]);
+    let known: Vec<usize> = (0..soc_pct.len())
+        .filter(|i| soc_pct[*i].is_finite())
+        .collect();
+    for pair in known.windows(2) {
+        let (before, i) = (pair[0], pair[1]);
+        let (step_s, step_pct) = (time_s[i] - time_s[before], soc_pct[i] - soc_pct[before]);
         if step_s <= NEIGHBOURS_S && step_pct.abs() > CHARGE_STEP_PCT {
-            let cut = (speed_mps[i] - speed_mps[i - 1]).abs() > HARD_BRAKING_MPS2 * step_s;
-            jumps.push((
-                i,
-                cut,
-                format!(
-                    "state of charge from {} to {} % in {step_s:.2} s",
-                    soc_pct[i - 1],
-                    soc_pct[i]
-                ),
-            ));
+            let cut = (before + 1..=i).find(|k| {
+                let step_s = time_s[*k] - time_s[k - 1];
+                (speed_mps[*k] - speed_mps[k - 1]).abs() > HARD_BRAKING_MPS2 * step_s
+            });
+            let detail = format!(
+                "state of charge from {} to {} % in {step_s:.2} s",
+                soc_pct[before], soc_pct[i]
+            );
+            jumps.push((before, i, cut, detail));
         }
     }
-    for (i, cut, detail) in jumps {
-        let action = if cut { Action::Split } else { Action::Kept };
+    for (before, i, cut, detail) in jumps {
+        let action = if cut.is_some() {
+            Action::Split
+        } else {
+            Action::Kept
+        };
         checked.report(
             FindingKind::Splice,
             Channel::StateOfCharge,
-            &(i - 1..i + 1),
+            &(before..i + 1),
             action,
             detail,
         );
-        if cut {
-            checked.cuts.push(i);
-        }
+        checked.cuts.extend(cut);
     }
 }
 

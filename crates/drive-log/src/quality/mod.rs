@@ -26,10 +26,12 @@ mod limit_unit;
 mod motion;
 mod noise;
 mod pace;
+mod pieces;
 mod power;
 mod quantised;
 mod radar;
 mod range;
+mod reversed;
 mod road;
 mod row_number;
 mod runs;
@@ -86,6 +88,7 @@ use crate::{Channel, RawLog};
 /// | contradicted | at standstill the battery delivers less than auxiliaries, or heating and auxiliaries, for half of the time that these claim power | channel dropped |
 /// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
 /// | held | values repeated in rows until the sensor gives the next one | the line between updates |
+/// | contradicted | a car that reverses faster than 8 m/s for over 3 s | the sign of the speed turned from standstill to standstill |
 /// | clipped, filled | a speed that ends at one value; a straight line | removed; kept where the speed may have been limited |
 /// | scattering | a speed off the line between its neighbours, on alternating sides | smoothed |
 /// | quantised | a speed in coarse steps | smoothed within half a step |
@@ -124,6 +127,9 @@ pub fn check(log: RawLog) -> Checked {
     unit_change::convert(&mut checked);
     limit_unit::convert(&mut checked);
     speed_unit::convert(&mut checked);
+    if reversed::turn_speed(&mut checked) {
+        speed_unit::convert(&mut checked);
+    }
     slope::drop_steep(&mut checked);
     range::remove(&mut checked, |c| c.is_motion() || *c == Channel::Slope);
     dropout::remove_speed(&mut checked, 0.0);
@@ -141,6 +147,7 @@ pub fn check(log: RawLog) -> Checked {
     slope::judge(&mut checked);
     elevation::judge(&mut checked);
     battery::remove_still(&mut checked);
+    pieces::judge(&mut checked);
     charge::judge_offset(&mut checked);
     jump::cut_state_of_charge(&mut checked);
     heating::remove_sentinel(&mut checked);

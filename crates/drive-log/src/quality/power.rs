@@ -12,7 +12,7 @@ const SECONDS: usize = 120;
 const FEW_SECONDS: usize = 60;
 
 /// Braking takes the friction brakes along, which no battery feels, m/s².
-const NOT_BRAKING_MPS2: f64 = -0.2;
+pub(super) const NOT_BRAKING_MPS2: f64 = -0.2;
 
 /// Rolling resistance as an acceleration, m/s²: a coefficient of 0.01.
 const ROLLING_MPS2: f64 = 0.1;

@@ -7,6 +7,7 @@ use super::noise;
 use super::pace;
 use super::row_number;
 use super::speed_mistake::Mistake;
+use super::unit_change;
 use crate::{Action, Channel, FindingKind};
 pub(super) use witnesses::limit_share;
 use witnesses::{Objection, Witness, Witnesses};
@@ -225,6 +226,12 @@ fn asked(possible: &[Mistake]) -> String {
 }
 
 fn rescale(checked: &mut Checked, why: &str, (factor, unit): Mistake) {
+    if let Some(at_s) = unit_change::jump_by(checked, factor) {
+        let detail = format!(
+            "{why}: perhaps {unit}, but the speed jumps by that factor at {at_s:.1} s: cut the log where its unit changes"
+        );
+        return report(checked, Action::Refused, detail);
+    }
     if let Some(values) = checked.log.channels.get_mut(&Channel::Speed) {
         values.iter_mut().for_each(|v| *v *= 1.0 / factor);
     }

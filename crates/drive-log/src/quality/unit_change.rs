@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::checked::Checked;
 use super::speed_mistake::MISTAKES;
+use crate::statistics::near;
 use crate::{Action, Channel, FindingKind};
 
 /// Samples further apart are not compared, s; slower than this, a factor is noise, m/s.
@@ -31,6 +32,9 @@ const SHARE: f64 = 0.7;
 
 /// Once it is converted, a stretch holds no greater change of the speed, m/s².
 const HARDEST_MPS2: f64 = 8.0;
+
+/// Within which two factors are the same.
+const SAME: f64 = 1e-6;
 
 /// A jump of the speed.
 #[derive(Clone, Copy)]
@@ -93,6 +97,23 @@ pub(super) fn convert(checked: &mut Checked) {
             convert_stretch(checked, range, factor, is_minor);
         }
     }
+}
+
+/// Where a speed that is converted as a whole jumps by that factor, or its inverse, as no car does in either unit: one of its parts is in
+/// another unit.
+pub(super) fn jump_by(checked: &Checked, factor: f64) -> Option<f64> {
+    let undrivable = |edge: &Edge| {
+        let jump_mps = edge.jump_mps / factor.max(1.0);
+        jump_mps > HARDEST_MPS2 * edge.step_s + 2.0 * COARSE_STEP_MPS
+    };
+    let is_by = |edge: &Edge| {
+        let mistake = edge.mistake.map(|mistake| MISTAKES[mistake].0);
+        mistake.is_some_and(|by| near(by, factor, SAME) || near(by, 1.0 / factor, SAME))
+    };
+    let found = edges(checked)
+        .into_iter()
+        .find(|edge| is_by(edge) && undrivable(edge));
+    found.map(|edge| checked.log.time_s()[edge.at])
 }
 
 /// Whether a car drives like that once a stretch is divided by a factor.

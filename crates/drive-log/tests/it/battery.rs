@@ -249,3 +249,29 @@ fn the_state_of_charge_tells_an_offset_of_the_current() {
         Action::Kept,
     );
 }
+
+/// A third of the drive with another current.
+fn in_part(of: impl Fn(f64) -> f64) -> RawLog {
+    let log = recorded();
+    let third = log.time_s().len() / 3;
+    with(&log, Channel::BatteryCurrent, |i, a| {
+        if (third..2 * third).contains(&i) {
+            of(a)
+        } else {
+            a
+        }
+    })
+}
+
+#[test]
+fn a_current_in_another_scale_or_turned_for_a_while_is_dropped() {
+    for times in [10.0, 0.1, 2.0, 0.5, -1.0] {
+        let found = assert_found(
+            &in_part(|a| times * a),
+            FindingKind::Contradicted,
+            "battery_current_a",
+            Action::Dropped,
+        );
+        assert!(found.channel(Channel::BatteryCurrent).is_none(), "{times}");
+    }
+}

@@ -4,6 +4,7 @@ use drive_log::{Action, Channel, FindingKind, RawLog, check};
 
 use crate::made::{assert_close, drive, only, times, without};
 use crate::quality::{changed, kinds};
+use crate::sensors::{assert_found, assert_near, recorded, with};
 use crate::{raw, read};
 
 const ALONE: [Channel; 4] = [
@@ -207,4 +208,48 @@ fn speeds_beyond_every_car_are_refused_and_altitudes_read() {
         file.logs[0].channel(Channel::Elevation),
         Some(&[100.0, 101.0][..])
     );
+}
+
+/// The drive with other speeds in a part of its samples.
+fn with_speeds(of: impl Fn(f64, f64) -> f64) -> RawLog {
+    let log = recorded();
+    let all = log.len() as f64;
+    with(&log, Channel::Speed, |i, v| of(i as f64 / all, v))
+}
+
+#[test]
+fn a_car_that_reverses_on_the_road_goes_forward() {
+    let log = recorded();
+    for from in [0.0, 0.5] {
+        let turned = with_speeds(|share, v| if share >= from { -v } else { v });
+        let found = assert_found(
+            &turned,
+            FindingKind::Contradicted,
+            "speed_mps",
+            Action::SignFlipped,
+        );
+        // where the sign changes in motion, samples beside it may be lost
+        let known = found
+            .channel(Channel::Speed)
+            .unwrap()
+            .iter()
+            .filter(|v| v.is_finite())
+            .count();
+        assert!(known + 40 > log.len(), "{known}");
+        assert_near(&found, &log, Channel::Speed, 0.05);
+    }
+}
+
+#[test]
+fn a_speed_of_which_a_part_is_in_another_unit_is_not_converted_as_a_whole() {
+    for from in [0.3, 0.5] {
+        let part = with_speeds(|share, v| if share >= from { 3.6 * v } else { v });
+        let checked = check(part);
+        let whole = checked
+            .findings
+            .iter()
+            .any(|f| f.kind == FindingKind::Unit && f.action == Action::Scaled);
+        let refused = checked.findings.iter().any(|f| f.action == Action::Refused);
+        assert!(!whole || refused, "{from}: {:#?}", checked.findings);
+    }
 }

@@ -5,6 +5,7 @@
 //! hundredths, so that the gap decides. The bounds are removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg
 //! and Marquardt's method works on `q`.
 
+use ev_energy::calibration::Bounds;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -13,7 +14,7 @@ use serde::Serialize;
 
 use super::simulation::root_mean_square;
 use super::{Family, FollowingModel, FollowingStretch, Parameter};
-use crate::least_squares::{Bounds, unconverged};
+use crate::least_squares::unconverged;
 use crate::{Error, ModelKind};
 
 /// A model of car following fitted to stretches.
@@ -159,7 +160,7 @@ impl<'a> Problem<'a> {
             .parameters
             .iter()
             .zip(self.free.iter())
-            .map(|(parameter, free)| parameter.bounds().bounded(*free))
+            .map(|(parameter, free)| parameter.bounds().value(*free))
             .collect()
     }
 

@@ -1,5 +1,6 @@
 //! Vehicles fitted to the measured battery power of trips.
 
+mod bounds;
 mod identification;
 mod parameter;
 mod problem;
@@ -12,6 +13,7 @@ use crate::comparison::Comparison;
 use crate::error::Error;
 use crate::vehicle::{Confidence, Source, Vehicle};
 use crate::weather::SUMMER_DEGC;
+pub use bounds::Bounds;
 use identification::{Curvature, Held, Untold, one_speed, untold_by};
 use parameter::{Bounded, with_values};
 use problem::Problem;

@@ -1,3 +1,4 @@
+use super::bounds::Bounds;
 use crate::road_load::RoadLoadSpec;
 use crate::vehicle::VehicleSpec;
 
@@ -158,9 +159,16 @@ impl Bounded {
         self.parameter.unit
     }
 
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds {
+            lower: self.lower,
+            upper: self.upper,
+        }
+    }
+
     /// Width of the bounds.
     pub(crate) fn width(&self) -> f64 {
-        self.upper - self.lower
+        self.bounds().width()
     }
 }
 

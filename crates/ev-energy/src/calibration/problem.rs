@@ -51,7 +51,7 @@ impl<'a> Problem<'a> {
         let free = parameters.iter().zip(starts).map(|(parameter, start)| {
             let share = (start - parameter.lower) / parameter.width();
             let inside = share.clamp(START_MARGIN, 1.0 - START_MARGIN);
-            (2.0 * inside - 1.0).asin()
+            parameter.bounds().free_of_share(inside)
         });
         let free = DVector::from_iterator(parameters.len(), free);
         Self {
@@ -84,10 +84,7 @@ impl<'a> Problem<'a> {
         self.parameters
             .iter()
             .zip(self.free.iter())
-            .map(|(parameter, q)| {
-                let value = parameter.lower + parameter.width() * 0.5 * (1.0 + q.sin());
-                value.clamp(parameter.lower, parameter.upper)
-            })
+            .map(|(parameter, q)| parameter.bounds().value(*q))
             .collect()
     }
 

@@ -69,6 +69,8 @@ pub enum FindingKind {
     OutOfOrder,
     /// A time more than once; the newest pose is kept
     DuplicateTime,
+    /// Poses of one time more than 20 mm apart; the newest is kept
+    TwoPlaces,
     /// Faster than 5 m/s from one pose to the next; kept
     Jump,
     /// More than 0.5 s between poses

@@ -7,6 +7,8 @@ use super::text::RawRobot;
 
 /// Faster than any robot of a testbed, in m/s.
 const MAX_SPEED: f64 = 5.0;
+/// Within which poses of one time agree, in m.
+const SAME_PLACE_M: f64 = 0.02;
 /// In s.
 const MAX_GAP: f64 = 0.5;
 /// In rad; a little more than a full turn.
@@ -29,11 +31,13 @@ pub(super) fn tidy(robot: RawRobot, start_s: f64) -> RecordedRobot {
     let order = out_of_order(&poses);
     // stable: of the same time, the newest stays last
     poses.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let places = two_places(&poses);
     let duplicates = drop_duplicates(&mut poses);
     let findings = [
         bad,
         order,
         duplicates,
+        places,
         jumps(&poses),
         gaps(&poses),
         degrees(&poses),
@@ -84,20 +88,15 @@ fn out_of_order(poses: &[RecordedPose]) -> Option<Finding> {
 fn drop_duplicates(poses: &mut Vec<RecordedPose>) -> Option<Finding> {
     let before = poses.len();
     let mut first = None;
-    let mut apart_m = 0.0_f64;
     poses.dedup_by(|next, kept| {
         let same = next.time_s.total_cmp(&kept.time_s).is_eq();
         if same {
             first.get_or_insert(kept.time_s);
-            apart_m = apart_m.max(distance_m(kept, next));
             *kept = *next;
         }
         same
     });
-    let mut detail = "of poses at the same time the newest is kept".to_owned();
-    if apart_m > 0.0 {
-        detail.push_str(&format!("; they are up to {apart_m:.3} m apart"));
-    }
+    let detail = "of poses at the same time the newest is kept".to_owned();
     first.map(|at| {
         finding(
             FindingKind::DuplicateTime,
@@ -110,6 +109,18 @@ fn drop_duplicates(poses: &mut Vec<RecordedPose>) -> Option<Finding> {
 
 fn distance_m(a: &RecordedPose, b: &RecordedPose) -> f64 {
     (b.x_m - a.x_m).hypot(b.y_m - a.y_m)
+}
+
+fn two_places(poses: &[RecordedPose]) -> Option<Finding> {
+    let apart = |a: &RecordedPose, b: &RecordedPose| {
+        let same = a.time_s.total_cmp(&b.time_s).is_eq();
+        let apart_m = distance_m(a, b);
+        (same && apart_m > SAME_PLACE_M).then_some(apart_m)
+    };
+    steps(poses, apart).map(|(count, at, most)| {
+        let detail = format!("poses of one time are up to {most:.3} m apart");
+        finding(FindingKind::TwoPlaces, count, Some(at), detail)
+    })
 }
 
 fn jumps(poses: &[RecordedPose]) -> Option<Finding> {

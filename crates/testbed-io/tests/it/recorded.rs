@@ -142,12 +142,8 @@ fn what_is_odd_is_found() {
     };
     expect(FindingKind::NoNumbers, 2, 0.25, "first line 4");
     expect(FindingKind::OutOfOrder, 1, 0.25, "up to 0.125 s");
-    expect(
-        FindingKind::DuplicateTime,
-        1,
-        0.25,
-        "newest is kept; they are up to 0.100 m apart",
-    );
+    expect(FindingKind::DuplicateTime, 1, 0.25, "newest");
+    expect(FindingKind::TwoPlaces, 1, 0.25, "up to 0.100 m apart");
     expect(FindingKind::Jump, 1, 0.25, "9.0 m/s");
     expect(FindingKind::Gap, 1, 0.25, "at most 1.00 s");
     expect(FindingKind::Degrees, 3, 0.0, "up to 90.0");

@@ -78,7 +78,7 @@ fn robots_of_which_little_was_recorded_are_not_called_safe() {
             0.05,
             57.3,
             0.0,
-            Some("headings of robot b go beyond a full turn"),
+            Some("headings of robot b are not the direction"),
         ),
     ] {
         let Shadow {
@@ -184,4 +184,34 @@ fn another_number_of_robots_is_refused() {
         error.to_string().contains("2 robots and the recording 1"),
         "{error}"
     );
+}
+
+/// Whether it is known that two robots on a straight were safe, with lines added to their recording.
+fn verdict_with(heading: f64, more: &str) -> Verdict {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..200 {
+        let time_s = 0.05 * f64::from(i);
+        for (robot, ahead_m) in [("a", 1.0), ("b", 0.0)] {
+            let x_m = ahead_m + 0.1 * time_s;
+            text += &format!("{time_s},{robot},{x_m},0,{heading}\n");
+        }
+    }
+    let recording = recorded(&(text + more));
+    let mut spec = Testbed::Robotarium
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.robots.truncate(2);
+    spec.duration_s = recording.end_s();
+    let scenario = Scenario::new(spec).unwrap();
+    let shadow = shadow(&scenario, &recording, Lane::Given).unwrap();
+    shadow.summary.verdict
+}
+
+#[test]
+fn headings_across_the_motion_and_two_places_at_once_are_not_known_to_be_safe() {
+    assert_eq!(verdict_with(0.0, ""), Verdict::Safe);
+    assert_eq!(verdict_with(1.5, ""), Verdict::NotKnown, "degrees");
+    for more in ["5,b,1.4,0,0\n5,b,0.5,0,0\n", "5,b,0.5,0,0\n5,b,0.9,0,0\n"] {
+        assert_ne!(verdict_with(0.0, more), Verdict::Safe, "{more}");
+    }
 }

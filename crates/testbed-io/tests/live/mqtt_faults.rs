@@ -179,7 +179,7 @@ fn stop_says_which_robots_it_did_not_reach() {
     broker.kill();
     let start = Instant::now();
     assert_eq!(robotarium.stop(Duration::from_millis(500)), [0, 1]);
-    assert!(start.elapsed() < Duration::from_millis(700));
+    assert!(start.elapsed() < Duration::from_secs(2));
     broker.restart();
     // Robots may not be back yet when the connection is.
     assert!(robotarium.stop(Duration::from_secs(1)).is_empty());

@@ -123,7 +123,7 @@ impl Drop for Client {
             let start = Instant::now();
             let ended = thread.join();
             assert!(thread::panicking() || ended.is_ok());
-            assert!(thread::panicking() || start.elapsed().as_millis() < 500);
+            assert!(thread::panicking() || start.elapsed().as_secs() < 10);
         }
     }
 }

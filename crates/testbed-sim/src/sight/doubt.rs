@@ -29,8 +29,10 @@ pub enum Doubt {
     MisplacedNear(usize),
     /// It left a lane that was laid around its poses
     LaidLane(usize),
-    /// Its headings are none in rad
+    /// It moves across its headings, or they are none in rad
     Headings(usize),
+    /// Poses of one time are far from each other
+    TwoPlaces(usize),
 }
 
 impl Doubt {
@@ -91,7 +93,11 @@ impl Doubt {
                 id(robot)
             ),
             Self::Headings(robot) => format!(
-                "headings of robot {} go beyond a full turn in rad: if they are in degrees, convert them",
+                "headings of robot {} are not the direction in which it moves, or beyond a full turn: if they are in degrees or of another frame, convert them",
+                id(robot)
+            ),
+            Self::TwoPlaces(robot) => format!(
+                "poses of robot {} of the same time are at different places",
                 id(robot)
             ),
             Self::Disbelieved(robot) => format!(

@@ -54,8 +54,7 @@ impl EvaluateArgs {
         if let Some(path) = &self.report {
             let shown = with_curves(serde_json::to_value(&document)?, &trajectories)?;
             let page = report::TRAJECTORY.filled(&shown);
-            output::write_file(path, |out| Ok(out.write_all(page.as_bytes())?))?;
-            output::note(context, &format!("report written to {}", path.display()));
+            output::write_page(path, &page, context)?;
         }
         match context.format {
             Format::Json => output::print_json(&document)?,

@@ -1,8 +1,9 @@
 //! Robots that would drive into each other: at a stand, on a loop, backwards.
 
-use testbed_sim::{RunSpec, Tick, Verdict};
+use testbed_sim::{Adaptation, Convoy, RunSpec, Tick, Verdict};
 use unicycle_cbf::{
-    Preset, RobotSpec, Scenario, ScenarioSpec, State, Testbed,
+    Brake, Demands, Outcome, Preset, RobotSpec, Scenario, ScenarioSpec, StampedPose, State,
+    Testbed,
     lateral::Deviation,
     settings::{Distance, HeadwaySettings},
 };
@@ -240,4 +241,53 @@ fn files_without_the_newer_keys_are_read_and_hold_the_same_guards() {
         assert_eq!(hardening.regards_every_robot(), every_robot);
         assert_eq!(old.spec().controller.headway.clearance_m, CLEARANCE_M);
     }
+}
+
+/// Of three robots in a straight lane the last was not seen yet, and the second wants to go back.
+#[test]
+fn nobody_drives_towards_a_robot_that_was_never_seen() {
+    let robots = vec![
+        RobotSpec::steady(0.9, 0.2),
+        RobotSpec::steady(0.3, -0.2),
+        RobotSpec::steady(0.0, 0.2),
+    ];
+    let mut spec = hardened(Testbed::Khepera, "straight", robots);
+    spec.rate_hz = 20.0;
+    let scenario = Scenario::new(spec).unwrap();
+    let mut convoy = Convoy::new(&scenario);
+    let see = |convoy: &mut Convoy, robot: usize| {
+        let pose = scenario.starts()[robot];
+        convoy.observe(robot, StampedPose { stamp_s: 0.0, pose });
+    };
+    see(&mut convoy, 0);
+    see(&mut convoy, 1);
+    let unseen = convoy.decide(1, 0.05);
+    let reason = Brake::LeaderLost;
+    assert_eq!(unseen.outcome, Outcome::Braking { reason });
+    see(&mut convoy, 2);
+    let seen = convoy.decide(1, 0.05);
+    assert!(seen.speeds.speed_mps < 0.0, "{seen:?}");
+}
+
+#[test]
+fn starts_nearer_than_errors_allow_are_noted() {
+    let notes = |start_m: f64, beside_m: f64| {
+        let mut robots = vec![RobotSpec::steady(start_m, 0.2), RobotSpec::steady(0.0, 0.2)];
+        robots[1].start_deviation_m = beside_m;
+        let scenario = Scenario::new(hardened(Testbed::Khepera, "straight", robots)).unwrap();
+        Adaptation::all(scenario.spec(), &Demands::new(&scenario))
+    };
+    let is_near = |note: &Adaptation| matches!(note, Adaptation::StartsNear { .. });
+    let is_beyond = |note: &Adaptation| matches!(note, Adaptation::StartsBeyondRows { .. });
+    assert!(
+        !notes(1.0, 0.0)
+            .iter()
+            .any(|note| is_near(note) || is_beyond(note))
+    );
+    assert!(
+        notes(0.143, 0.0).iter().any(is_near),
+        "{:?}",
+        notes(0.143, 0.0)
+    );
+    assert!(notes(1.0, 0.149).iter().any(is_beyond));
 }
