@@ -34,13 +34,6 @@ pub enum Adaptation {
         /// Within which rows keep robots, in m
         kept_within_m: f64,
     },
-    /// Robots start nearer to each other than errors allow
-    StartsNear {
-        /// The least beyond what bodies and headways need, in m
-        room_m: f64,
-        /// What errors take of it, in m
-        margin_m: f64,
-    },
     /// Wheels are too sluggish for their full speed
     Agility {
         /// In m/s²
@@ -124,7 +117,6 @@ impl Adaptation {
         all.extend(taken(spec));
         all.extend(starts_outside(demands));
         all.extend(starts_beyond_rows(demands));
-        all.extend(starts_near(demands));
         all.extend(agility(spec, demands));
         all.extend(settling(spec, demands));
         all.extend(slowed(demands));
@@ -168,13 +160,6 @@ fn starts_beyond_rows(demands: &Demands) -> Option<Adaptation> {
         start_m,
         kept_within_m,
     })
-}
-
-fn starts_near(demands: &Demands) -> Option<Adaptation> {
-    let margin_m = demands.standing_margin_m;
-    let room_m = demands.least_room_at_start_m?;
-    (demands.is_guaranteed && room_m < margin_m)
-        .then_some(Adaptation::StartsNear { room_m, margin_m })
 }
 
 fn agility(spec: &ScenarioSpec, demands: &Demands) -> Option<Adaptation> {
@@ -280,12 +265,6 @@ impl Display for Adaptation {
                 "a robot starts {:.1} mm beside the path, and rows keep it within {:.1} mm: nothing is guaranteed until it is there",
                 mm(start_m),
                 mm(kept_within_m)
-            ),
-            Self::StartsNear { room_m, margin_m } => write!(
-                out,
-                "two robots start with {:.1} mm more between them than they need, and errors take {:.1} mm: nothing is guaranteed until they are farther apart",
-                mm(room_m),
-                mm(margin_m)
             ),
             Self::Agility {
                 acceleration_mps2,

@@ -31,10 +31,6 @@ pub struct Demands {
     pub is_guaranteed: bool,
     /// The largest start beside the path
     pub largest_start_m: f64,
-    /// The least that two robots have at the start beyond what bodies and headways need; none of a single robot
-    pub least_room_at_start_m: Option<f64>,
-    /// What errors take of the distance between two robots that stand
-    pub standing_margin_m: f64,
     /// The fastest that any robot shall go, forward or back
     pub fastest_desired_mps: f64,
     /// Way to a stand from the driven limit, with the oldest pose that is acted on and a period
@@ -88,8 +84,6 @@ impl Demands {
                 && set.hardening.max_pose_age_s.is_some()
                 && matches!(set.lane.barrier, LaneBarrier::Exponential { .. }),
             largest_start_m: starts_m.fold(0.0, f64::max),
-            least_room_at_start_m: scenario.least_room_at_start_m(),
-            standing_margin_m: controller.standing_margin_m(),
             fastest_desired_mps: desired.map(|[_, v]| v.abs()).fold(0.0, f64::max),
             stopping_m: blind_s * speed_mps + braking_m,
             standstill_m: set.headway.standstill_m,

@@ -38,19 +38,20 @@ impl Scenario {
         }
         for robot in 0..self.starts().len() {
             for other in 0..robot {
-                let least_m = controller.least_distance_m();
+                let margin_m = controller.standing_margin_m();
+                let least_m = controller.least_distance_m() + margin_m;
                 let (apart_m, headway_m) = self.between_starts_m(robot, other);
-                if apart_m >= least_m && headway_m.is_none_or(|h| h >= 0.0) {
+                if apart_m >= least_m && headway_m.is_none_or(|h| h >= margin_m) {
                     continue;
                 }
                 let headway = &controller.settings().headway;
                 let way_m = headway.time_s * self.initial_speeds(robot).speed_mps.abs();
-                let least_m = least_m.max(controller.standstill_m() + way_m);
+                let least_m = least_m.max(controller.standstill_m() + way_m + margin_m);
                 return Err(Error::Start {
                     robot,
                     what: format!(
                         "starts {apart_m:.3} m from robot {other}, and {least_m:.3} m are needed: both radii of {:.3} m and `headway.clearance_m` of {:.3} m, \
-                         or `headway.standstill_m` of {:.3} m, and {way_m:.3} m for the speed at which it starts",
+                         or `headway.standstill_m` of {:.3} m, {way_m:.3} m for the speed at which it starts, and {margin_m:.3} m for stated errors",
                         controller.body().radius_m(),
                         headway.clearance_m,
                         headway.standstill_m,
@@ -75,19 +76,6 @@ impl Scenario {
         let headway_m = (other + 1 == robot && controller.follows(&moving, &ahead))
             .then(|| controller.headway(&moving, &ahead, None).value);
         (apart_m, headway_m)
-    }
-
-    /// The least that two robots have at the start beyond what bodies and headways need, in m; none of a single robot.
-    #[must_use]
-    pub fn least_room_at_start_m(&self) -> Option<f64> {
-        let least_m = self.controller().least_distance_m();
-        let robots = 0..self.starts().len();
-        let pairs = robots.flat_map(|robot| (0..robot).map(move |other| (robot, other)));
-        let rooms = pairs.map(|(robot, other)| {
-            let (apart_m, headway_m) = self.between_starts_m(robot, other);
-            (apart_m - least_m).min(headway_m.unwrap_or(f64::INFINITY))
-        });
-        rooms.reduce(f64::min)
     }
 
     fn check_bodies(&self) -> Result<(), Error> {

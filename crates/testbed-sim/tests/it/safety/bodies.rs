@@ -2,7 +2,7 @@
 
 use testbed_sim::{Adaptation, Convoy, RunSpec, Tick, Verdict};
 use unicycle_cbf::{
-    Brake, Demands, Outcome, Preset, RobotSpec, Scenario, ScenarioSpec, StampedPose, State,
+    Brake, Demands, Error, Outcome, Preset, RobotSpec, Scenario, ScenarioSpec, StampedPose, State,
     Testbed,
     lateral::Deviation,
     settings::{Distance, HeadwaySettings},
@@ -186,7 +186,7 @@ fn robots_that_start_on_each_other_are_refused_with_both_distances() {
     let text = error.to_string();
     for words in [
         "starts 0.050 m from robot 0",
-        "0.140 m are needed",
+        "0.149 m are needed",
         "0.065 m",
     ] {
         assert!(text.contains(words), "no `{words}` in {text}");
@@ -269,25 +269,25 @@ fn nobody_drives_towards_a_robot_that_was_never_seen() {
     assert!(seen.speeds.speed_mps < 0.0, "{seen:?}");
 }
 
+fn starting(start_m: f64, beside_m: f64) -> Result<Scenario, Error> {
+    let mut robots = vec![RobotSpec::steady(start_m, 0.2), RobotSpec::steady(0.0, 0.2)];
+    robots[1].start_deviation_m = beside_m;
+    Scenario::new(hardened(Testbed::Khepera, "straight", robots))
+}
+
 #[test]
-fn starts_nearer_than_errors_allow_are_noted() {
-    let notes = |start_m: f64, beside_m: f64| {
-        let mut robots = vec![RobotSpec::steady(start_m, 0.2), RobotSpec::steady(0.0, 0.2)];
-        robots[1].start_deviation_m = beside_m;
-        let scenario = Scenario::new(hardened(Testbed::Khepera, "straight", robots)).unwrap();
-        Adaptation::all(scenario.spec(), &Demands::new(&scenario))
+fn starts_nearer_than_errors_allow_are_refused() {
+    let error = starting(0.143, 0.0).unwrap_err().to_string();
+    assert!(error.contains("for stated errors"), "{error}");
+}
+
+#[test]
+fn starts_beyond_what_rows_keep_are_noted() {
+    let is_noted = |beside_m: f64| {
+        let scenario = starting(1.0, beside_m).unwrap();
+        let notes = Adaptation::all(scenario.spec(), &Demands::new(&scenario));
+        let is_beyond = |note: &Adaptation| matches!(note, Adaptation::StartsBeyondRows { .. });
+        notes.iter().any(is_beyond)
     };
-    let is_near = |note: &Adaptation| matches!(note, Adaptation::StartsNear { .. });
-    let is_beyond = |note: &Adaptation| matches!(note, Adaptation::StartsBeyondRows { .. });
-    assert!(
-        !notes(1.0, 0.0)
-            .iter()
-            .any(|note| is_near(note) || is_beyond(note))
-    );
-    assert!(
-        notes(0.143, 0.0).iter().any(is_near),
-        "{:?}",
-        notes(0.143, 0.0)
-    );
-    assert!(notes(1.0, 0.149).iter().any(is_beyond));
+    assert!(!is_noted(0.0) && is_noted(0.149));
 }
