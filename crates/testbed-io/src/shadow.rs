@@ -121,7 +121,9 @@ pub fn shadow(scenario: &Scenario, recording: &Recording, lane: Lane) -> Result<
                 convoy.observe(robot, *seen);
             }
         }
-        let places: Vec<Option<State>> = recorded.iter().map(|r| r.state(scenario)).collect();
+        let oldest_s = now_s - most_age_s(scenario);
+        let places = recorded.iter().map(|r| r.state(scenario, oldest_s));
+        let places: Vec<Option<State>> = places.collect();
         let mut safeties = safeties(scenario.controller(), &mut tracks, &places);
         summary.add_places(now_s, &places);
         let clearances = safeties.iter().map(|safety| {
@@ -186,14 +188,18 @@ fn doubt_laid_lane(scenario: &Scenario, safeties: &mut [Option<Safety>], sights:
 }
 
 fn sights(scenario: &Scenario) -> Sights {
-    let controller = scenario.controller();
-    let most_age_s = controller.settings().hardening.max_pose_age_s;
     Sights::new(
         scenario.starts().len(),
-        most_age_s.unwrap_or(BESIDE_S),
-        controller.least_distance_m(),
+        most_age_s(scenario),
+        scenario.controller().least_distance_m(),
         most_mps(scenario),
     )
+}
+
+/// From when on a robot counts as unseen, in s after its last pose.
+fn most_age_s(scenario: &Scenario) -> f64 {
+    let hardening = &scenario.controller().settings().hardening;
+    hardening.max_pose_age_s.unwrap_or(BESIDE_S)
 }
 
 /// What was seen at one step, in the order of stamps.
@@ -296,9 +302,11 @@ impl<'a> Recorded<'a> {
         Some(stamped(pose))
     }
 
-    fn state(&self, scenario: &Scenario) -> Option<State> {
+    /// None of a robot that was not seen since: nobody knows where it is.
+    fn state(&self, scenario: &Scenario, oldest_s: f64) -> Option<State> {
+        let last = self.last().filter(|last| last.stamp_s >= oldest_s)?;
         let offset_m = scenario.controller().body().offset_m;
-        Some(self.last()?.pose.state(offset_m, self.speeds()))
+        Some(last.pose.state(offset_m, self.speeds()))
     }
 
     /// Between the newest pose and one some time before.

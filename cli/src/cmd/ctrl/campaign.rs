@@ -163,9 +163,7 @@ impl CampaignArgs {
         };
         Ok((campaign, refused))
     }
-}
 
-impl CampaignArgs {
     /// What runs do otherwise than a file says, how many guards it lacks, and where disturbances are larger than it states.
     fn notes(&self, named: &NamedScenario, scenario: &Scenario) -> Vec<String> {
         let demands = Demands::new(scenario);

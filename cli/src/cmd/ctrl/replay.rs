@@ -10,7 +10,7 @@ use testbed_sim::{Replay, Summary, Timing, Verdict};
 use unicycle_cbf::{Preset, Scenario, ScenarioSpec, Testbed};
 
 use super::run::clear_times;
-use super::run_text::{verdict, why_not_known};
+use super::run_text::{nearest_line, verdict, why_not_known};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
@@ -125,7 +125,8 @@ fn outcome(verdict: Verdict, doubts: &[String]) -> anyhow::Result<Outcome> {
 }
 
 fn again_text(replay: &Replay) -> String {
-    format!("{}{}\n", compared(replay), judged(replay))
+    let nearest = nearest_line(replay.least_distance.as_ref());
+    format!("{}{nearest}{}\n", compared(replay), judged(replay))
 }
 
 fn judged(replay: &Replay) -> String {
@@ -196,19 +197,16 @@ fn beside(
     let (spec, lane) = match &args.scenario {
         Some(file) => {
             let mut spec = RunFile::read(file)?.scenario;
-            if let Some(had_s) = lengthen(&mut spec, &recording) {
+            let end_s = recording.end_s();
+            let had_s = lengthen(&mut spec, &recording).unwrap_or(spec.duration_s);
+            if (had_s - end_s).abs() >= NOTED_S {
+                let judged = if had_s < end_s {
+                    "all of it is judged"
+                } else {
+                    "of what was after it nothing is known"
+                };
                 let text = format!(
-                    "the scenario lasts {had_s:.1} s and the recording {:.1} s: all of it is judged",
-                    spec.duration_s
-                );
-                if spec.duration_s - had_s >= NOTED_S {
-                    output::note(context, &text);
-                }
-            } else if spec.duration_s - recording.end_s() >= NOTED_S {
-                let text = format!(
-                    "the recording ends at {:.1} s, the scenario at {:.1} s: of what was after it nothing is known (`duration_s` of the scenario)",
-                    recording.end_s(),
-                    spec.duration_s
+                    "the scenario lasts {had_s:.1} s and the recording {end_s:.1} s: {judged}"
                 );
                 output::note(context, &text);
             }
@@ -282,13 +280,14 @@ fn beside_text(body: &Beside) -> String {
         ]);
     }
     format!(
-        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n{}\n",
+        "{}\n{} steps at {} Hz; median step {} µs, 99 % within {} µs, {} late\n{}{}\n",
         table.render(),
         body.summary.steps,
         body.rate_hz,
         number(body.r#loop.median_us, 2),
         number(body.r#loop.p99_us, 2),
         body.r#loop.missed,
+        nearest_line(body.summary.least_distance.as_ref()),
         verdict(body.summary, body.doubts)
     )
 }

@@ -43,6 +43,14 @@ fn nearest(least: &LeastDistance) -> String {
     )
 }
 
+/// The least distance as a line of its own, none of a single robot.
+pub(super) fn nearest_line(least: Option<&LeastDistance>) -> String {
+    least.map_or_else(String::new, |least| {
+        let gap = number(1e3 * least.gap_m, 1);
+        format!("least distance between bodies: {gap} {}\n", nearest(least))
+    })
+}
+
 pub(super) fn text(named: &Named, ended: &Ended) -> String {
     let (summary, timing) = (&ended.summary, &ended.timing);
     let scenario = &named.spec.scenario;

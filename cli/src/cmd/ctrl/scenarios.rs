@@ -1,5 +1,6 @@
 //! Many scenarios at once: built-in ones by name, files, and folders of files.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
@@ -101,7 +102,7 @@ fn is_toml(path: &Path) -> bool {
 
 /// In the order of the arguments, those of a folder sorted; each file once.
 fn files_of(arguments: &[&String], context: &Context) -> anyhow::Result<Vec<PathBuf>> {
-    let mut files: Vec<PathBuf> = Vec::new();
+    let (mut files, mut known) = (Vec::new(), HashSet::new());
     for argument in arguments {
         let path = Path::new(argument);
         let found = if path.is_dir() {
@@ -109,18 +110,10 @@ fn files_of(arguments: &[&String], context: &Context) -> anyhow::Result<Vec<Path
         } else {
             vec![path.to_owned()]
         };
-        for file in found {
-            if !files.iter().any(|known| is_same(known, &file)) {
-                files.push(file);
-            }
-        }
+        let itself = |file: &PathBuf| file.canonicalize().unwrap_or_else(|_| file.clone());
+        files.extend(found.into_iter().filter(|file| known.insert(itself(file))));
     }
     Ok(files)
-}
-
-fn is_same(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| path.canonicalize().ok();
-    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b))
 }
 
 /// A folder may hold other files of settings, those of links for example, which are named.

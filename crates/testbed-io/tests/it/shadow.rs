@@ -215,3 +215,26 @@ fn headings_across_the_motion_and_two_places_at_once_are_not_known_to_be_safe() 
         assert_ne!(verdict_with(0.0, more), Verdict::Safe, "{more}");
     }
 }
+
+/// The follower drives on while the robot ahead, which goes as fast, is not seen for 4 s.
+#[test]
+fn a_robot_ahead_that_is_not_seen_makes_nobody_unsafe() {
+    let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..400 {
+        let time_s = 0.05 * f64::from(i);
+        for (robot, ahead_m) in [("a", 0.6), ("b", 0.0)] {
+            if robot == "b" || !(100..180).contains(&i) {
+                text += &format!("{time_s},{robot},{},0,0\n", ahead_m + 0.15 * time_s);
+            }
+        }
+    }
+    let recording = recorded(&text);
+    let mut spec = Testbed::Robotarium
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.robots.truncate(2);
+    spec.duration_s = recording.end_s();
+    let scenario = Scenario::new(spec).unwrap();
+    let shadow = shadow(&scenario, &recording, Lane::Given).unwrap();
+    assert_eq!(shadow.summary.verdict, Verdict::NotKnown);
+}
