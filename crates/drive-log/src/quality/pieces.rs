@@ -100,10 +100,8 @@ fn pieces(checked: &Checked) -> Vec<Piece> {
         .collect();
     let piece = |spans: &[(&Span, f64)]| {
         let pairs: Vec<(f64, f64)> = spans.iter().map(|(span, w)| (span.inertia(), *w)).collect();
-        let (r, certain) = (
-            correlation(&pairs),
-            significance(correlation(&pairs), pairs.len()),
-        );
+        let r = correlation(&pairs);
+        let certain = significance(r, pairs.len());
         let tells = r >= TELLS || r <= TURNED && certain <= -CERTAIN_DEVIATIONS;
         let (first, last) = (spans.first()?, spans.last()?);
         Some(Piece {

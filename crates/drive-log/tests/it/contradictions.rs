@@ -245,11 +245,11 @@ fn a_speed_of_which_a_part_is_in_another_unit_is_not_converted_as_a_whole() {
     for from in [0.3, 0.5] {
         let part = with_speeds(|share, v| if share >= from { 3.6 * v } else { v });
         let checked = check(part);
-        let whole = checked
-            .findings
-            .iter()
-            .any(|f| f.kind == FindingKind::Unit && f.action == Action::Scaled);
-        let refused = checked.findings.iter().any(|f| f.action == Action::Refused);
-        assert!(!whole || refused, "{from}: {:#?}", checked.findings);
+        let has = |is: fn(&drive_log::Finding) -> bool| checked.findings.iter().any(is);
+        let is_whole = has(|f| f.kind == FindingKind::Unit && f.action == Action::Scaled);
+        let is_refused = has(|f| f.action == Action::Refused);
+        let is_told = is_refused || has(|f| f.kind == FindingKind::UnitChange);
+        let is_right = is_told && (is_refused || !is_whole);
+        assert!(is_right, "{from}: {:#?}", checked.findings);
     }
 }

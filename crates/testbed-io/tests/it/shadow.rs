@@ -186,6 +186,17 @@ fn another_number_of_robots_is_refused() {
     );
 }
 
+fn verdict_on_a_straight(recording: &Recording) -> Verdict {
+    let mut spec = Testbed::Robotarium
+        .scenario("straight", Preset::Hardened)
+        .unwrap();
+    spec.robots.truncate(2);
+    spec.duration_s = recording.end_s();
+    let scenario = Scenario::new(spec).unwrap();
+    let shadow = shadow(&scenario, recording, Lane::Given).unwrap();
+    shadow.summary.verdict
+}
+
 /// Whether it is known that two robots on a straight were safe, with lines added to their recording.
 fn verdict_with(heading: f64, more: &str) -> Verdict {
     let mut text = "time_s,robot,x_m,y_m,heading_rad\n".to_owned();
@@ -197,14 +208,7 @@ fn verdict_with(heading: f64, more: &str) -> Verdict {
         }
     }
     let recording = recorded(&(text + more));
-    let mut spec = Testbed::Robotarium
-        .scenario("straight", Preset::Hardened)
-        .unwrap();
-    spec.robots.truncate(2);
-    spec.duration_s = recording.end_s();
-    let scenario = Scenario::new(spec).unwrap();
-    let shadow = shadow(&scenario, &recording, Lane::Given).unwrap();
-    shadow.summary.verdict
+    verdict_on_a_straight(&recording)
 }
 
 #[test]
@@ -229,12 +233,5 @@ fn a_robot_ahead_that_is_not_seen_makes_nobody_unsafe() {
         }
     }
     let recording = recorded(&text);
-    let mut spec = Testbed::Robotarium
-        .scenario("straight", Preset::Hardened)
-        .unwrap();
-    spec.robots.truncate(2);
-    spec.duration_s = recording.end_s();
-    let scenario = Scenario::new(spec).unwrap();
-    let shadow = shadow(&scenario, &recording, Lane::Given).unwrap();
-    assert_eq!(shadow.summary.verdict, Verdict::NotKnown);
+    assert_eq!(verdict_on_a_straight(&recording), Verdict::NotKnown);
 }
