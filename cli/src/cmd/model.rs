@@ -285,7 +285,7 @@ fn ahead_words(model: &DirectModel) -> String {
 
 fn interval_table(model: &DirectModel) -> String {
     let mut table = Table::new(["ahead s", "interval ± km/h"]);
-    for (horizon_s, interval_mps) in model.horizons_s().zip(model.intervals_mps()) {
+    for (horizon_s, interval_mps) in model.horizons_s().zip(model.one_width_mps()) {
         table.row([
             horizon_s.to_string(),
             number(interval_mps.map(|v| v * 3.6), 1),

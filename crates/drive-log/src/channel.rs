@@ -35,6 +35,10 @@ pub enum Channel {
     StateOfCharge,
     /// Torque at the motor shaft, N·m.
     MotorTorque,
+    /// How far the accelerator pedal is down, percent.
+    AcceleratorPedal,
+    /// How much the driver brakes, percent of the most; 0 or 100 where it is a switch.
+    Brake,
     /// Electric power of the auxiliaries, air conditioning included, W.
     AuxPower,
     /// Electric power of the heater, W.
@@ -47,7 +51,7 @@ pub enum Channel {
 
 impl Channel {
     /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
-    pub const ALL: [Channel; 17] = [
+    pub const ALL: [Channel; 19] = [
         Channel::Speed,
         Channel::Accel,
         Channel::SpeedLimit,
@@ -61,6 +65,8 @@ impl Channel {
         Channel::BatteryCurrent,
         Channel::StateOfCharge,
         Channel::MotorTorque,
+        Channel::AcceleratorPedal,
+        Channel::Brake,
         Channel::AuxPower,
         Channel::HeatingPower,
         Channel::HeatingRequest,
@@ -84,6 +90,8 @@ impl Channel {
             Channel::BatteryCurrent => "battery_current_a",
             Channel::StateOfCharge => "soc_pct",
             Channel::MotorTorque => "motor_torque_nm",
+            Channel::AcceleratorPedal => "accelerator_pedal_pct",
+            Channel::Brake => "brake_pct",
             Channel::AuxPower => "aux_power_w",
             Channel::HeatingPower => "heating_power_w",
             Channel::HeatingRequest => "heating_request_w",
@@ -114,7 +122,7 @@ impl Channel {
             Channel::Elevation | Channel::Distance | Channel::LeadGap => Quantity::Length,
             Channel::BatteryVoltage => Quantity::Voltage,
             Channel::BatteryCurrent => Quantity::Current,
-            Channel::StateOfCharge => Quantity::Share,
+            Channel::StateOfCharge | Channel::AcceleratorPedal | Channel::Brake => Quantity::Share,
             Channel::MotorTorque => Quantity::Torque,
             Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => Quantity::Power,
             Channel::AmbientTemperature => Quantity::Temperature,

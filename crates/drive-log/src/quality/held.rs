@@ -12,9 +12,11 @@ use crate::{Action, Channel, FindingKind};
 use renewal::Renewal;
 use updates::Updates;
 
-/// Limits, and powers that are set, hold their values by themselves; everything else is measured all the time.
-const SET: [Channel; 4] = [
+/// Limits, pedals, and powers that are set, hold their values by themselves; everything else is measured all the time.
+const SET: [Channel; 6] = [
     Channel::SpeedLimit,
+    Channel::AcceleratorPedal,
+    Channel::Brake,
     Channel::AuxPower,
     Channel::HeatingPower,
     Channel::HeatingRequest,

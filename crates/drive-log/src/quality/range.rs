@@ -26,6 +26,8 @@ pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
         // state of charge is an estimate and may overshoot
         Channel::StateOfCharge => (-1.0, 105.0),
         Channel::MotorTorque => (-2e4, 2e4),
+        // a sensor's ends are off by some percent
+        Channel::AcceleratorPedal | Channel::Brake => (-5.0, 110.0),
         // a meter's offset may be slightly negative
         Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => (-1e3, 1e5),
         // the coldest and the hottest air that was ever measured, with the sun on the sensor

@@ -1,4 +1,4 @@
-use driver_model::speed_ahead::DirectSettings;
+use driver_model::speed_ahead::{DirectSettings, DriverChannel};
 use driver_model::{LeftOut, Motion};
 
 use crate::{Error, HoldOut};
@@ -43,6 +43,14 @@ impl TrajectoryData {
         self.motions
             .iter()
             .all(|motion| motion.limit_mps().is_some())
+    }
+}
+
+impl TrajectoryData {
+    /// What the drives know of what the driver does, see [`DirectSettings::known_channels`].
+    #[must_use]
+    pub fn channels(&self, settings: &DirectSettings) -> Vec<DriverChannel> {
+        settings.known_channels(&self.motions.iter().collect::<Vec<_>>())
     }
 }
 

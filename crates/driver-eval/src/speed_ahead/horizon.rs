@@ -6,45 +6,96 @@ use crate::ratio_interval::RatioInterval;
 pub(super) struct HorizonErrors {
     /// Square sum, absolute sum and number per unit.
     units: Vec<(f64, f64, f64)>,
-    /// Half width of the prediction interval, of the fold.
-    interval_mps: Option<f64>,
+    /// Of the interval of each moment, and of the one that is the same at every moment.
+    of_moment: IntervalSums,
+    one_width: IntervalSums,
+}
+
+/// How intervals did.
+#[derive(Debug, Clone, PartialEq)]
+struct IntervalSums {
+    /// Sum of interval scores, and number, per unit.
+    units: Vec<(f64, f64)>,
     inside: usize,
-    judged: usize,
-    interval_sum_mps: f64,
+    width_sum_mps: f64,
+}
+
+/// A prediction with its intervals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Judged {
+    pub(super) predicted_mps: f64,
+    pub(super) measured_mps: f64,
+    /// Bounds of the moment.
+    pub(super) interval_mps: Option<(f64, f64)>,
+    /// Half width of the interval that is the same at every moment.
+    pub(super) one_width_mps: Option<f64>,
+}
+
+impl IntervalSums {
+    fn none(units: usize) -> Self {
+        Self {
+            units: vec![(0.0, 0.0); units],
+            inside: 0,
+            width_sum_mps: 0.0,
+        }
+    }
+
+    /// The interval score: the width, and for a value outside what it is outside by, over half of the share that may be (T. Gneiting,
+    /// A. E. Raftery, Journal of the American Statistical Association 102, 2007).
+    fn add(&mut self, unit: usize, (low, high): (f64, f64), measured: f64, coverage: f64) {
+        let outside = (low - measured).max(measured - high).max(0.0);
+        let score = high - low + 2.0 / (1.0 - coverage) * outside;
+        self.units[unit] = (self.units[unit].0 + score, self.units[unit].1 + 1.0);
+        self.inside += usize::from(outside == 0.0);
+        self.width_sum_mps += high - low;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (sums, more) in self.units.iter_mut().zip(&other.units) {
+            *sums = (sums.0 + more.0, sums.1 + more.1);
+        }
+        self.inside += other.inside;
+        self.width_sum_mps += other.width_sum_mps;
+    }
+
+    fn figures(&self) -> Option<IntervalFigures> {
+        let judged: f64 = self.units.iter().map(|unit| unit.1).sum();
+        (judged > 0.0).then(|| IntervalFigures {
+            half_width_mps: 0.5 * self.width_sum_mps / judged,
+            coverage_pct: 100.0 * self.inside as f64 / judged,
+            score_mps: self.units.iter().map(|unit| unit.0).sum::<f64>() / judged,
+        })
+    }
 }
 
 impl HorizonErrors {
     pub(super) fn none(units: usize) -> Self {
         Self {
             units: vec![(0.0, 0.0, 0.0); units],
-            interval_mps: None,
-            inside: 0,
-            judged: 0,
-            interval_sum_mps: 0.0,
+            of_moment: IntervalSums::none(units),
+            one_width: IntervalSums::none(units),
         }
     }
 
-    pub(super) fn for_each(intervals: &[Option<f64>], units: usize) -> Vec<Self> {
-        intervals
-            .iter()
-            .map(|&interval_mps| Self {
-                interval_mps,
-                ..Self::none(units)
-            })
-            .collect()
-    }
-
-    pub(super) fn add(&mut self, unit: usize, error_mps: f64) {
+    pub(super) fn add(&mut self, unit: usize, judged: Judged, coverage: f64) {
+        let Judged {
+            predicted_mps,
+            measured_mps,
+            ..
+        } = judged;
+        let error_mps = predicted_mps - measured_mps;
         let sums = &mut self.units[unit];
         *sums = (
             sums.0 + error_mps * error_mps,
             sums.1 + error_mps.abs(),
             sums.2 + 1.0,
         );
-        if let Some(interval_mps) = self.interval_mps {
-            self.judged += 1;
-            self.inside += usize::from(error_mps.abs() <= interval_mps);
-            self.interval_sum_mps += interval_mps;
+        if let Some(interval) = judged.interval_mps {
+            self.of_moment.add(unit, interval, measured_mps, coverage);
+        }
+        if let Some(half) = judged.one_width_mps {
+            let interval = ((predicted_mps - half).max(0.0), predicted_mps + half);
+            self.one_width.add(unit, interval, measured_mps, coverage);
         }
     }
 
@@ -52,9 +103,8 @@ impl HorizonErrors {
         for (sums, more) in self.units.iter_mut().zip(&other.units) {
             *sums = (sums.0 + more.0, sums.1 + more.1, sums.2 + more.2);
         }
-        self.inside += other.inside;
-        self.judged += other.judged;
-        self.interval_sum_mps += other.interval_sum_mps;
+        self.of_moment.merge(&other.of_moment);
+        self.one_width.merge(&other.one_width);
     }
 
     fn count(&self) -> f64 {
@@ -75,10 +125,21 @@ pub struct HorizonFigures {
     pub mae_mps: f64,
     /// How much less the root mean square error is than that of persistence.
     pub skill_pct: f64,
-    /// Mean half width of the prediction interval.
-    pub interval_mps: Option<f64>,
-    /// Share of measured speeds in it.
-    pub coverage_pct: Option<f64>,
+    /// Its prediction intervals, which know the moment.
+    pub interval: Option<IntervalFigures>,
+    /// Intervals of the same width at every moment, around the same predictions.
+    pub one_width: Option<IntervalFigures>,
+}
+
+/// How prediction intervals did.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct IntervalFigures {
+    /// Mean half width.
+    pub half_width_mps: f64,
+    /// Share of measured speeds inside.
+    pub coverage_pct: f64,
+    /// Mean interval score: the width, and a penalty for what is outside; less is better.
+    pub score_mps: f64,
 }
 
 /// One model at all horizons.
@@ -88,6 +149,8 @@ pub struct HorizonRow {
     pub model: String,
     /// Whether it is a baseline.
     pub baseline: bool,
+    /// Whether it is told what the driver does.
+    pub told: bool,
     /// Whether it knows something of the future, as the trials do: no verdict counts it.
     pub foresees: bool,
     /// One per horizon.
@@ -107,23 +170,22 @@ impl HorizonRow {
     pub(super) fn new(
         model: String,
         baseline: bool,
+        told: bool,
         foresees: bool,
         errors: Vec<HorizonErrors>,
     ) -> Self {
-        let figures = errors.iter().map(|errors| {
-            let judged = errors.judged as f64;
-            HorizonFigures {
-                rmse_mps: errors.mean_square().sqrt(),
-                mae_mps: errors.units.iter().map(|unit| unit.1).sum::<f64>() / errors.count(),
-                skill_pct: 0.0,
-                interval_mps: (errors.judged > 0).then(|| errors.interval_sum_mps / judged),
-                coverage_pct: (errors.judged > 0).then(|| 100.0 * errors.inside as f64 / judged),
-            }
+        let figures = errors.iter().map(|errors| HorizonFigures {
+            rmse_mps: errors.mean_square().sqrt(),
+            mae_mps: errors.units.iter().map(|unit| unit.1).sum::<f64>() / errors.count(),
+            skill_pct: 0.0,
+            interval: errors.of_moment.figures(),
+            one_width: errors.one_width.figures(),
         });
         let origins = errors.first().map_or(0, |errors| errors.count() as usize);
         Self {
             model,
             baseline,
+            told,
             foresees,
             figures: figures.collect(),
             origins,
@@ -160,11 +222,13 @@ impl HorizonRow {
     }
 }
 
-/// The best model against the best baseline.
+/// The best model against the best baseline that knows the same.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct HorizonVerdict {
     /// Seconds ahead.
     pub horizon_s: f64,
+    /// Whether both are told what the driver does.
+    pub told: bool,
     /// The model with the least error, baselines and trials aside.
     pub model: String,
     /// The baseline with the least error.
@@ -177,35 +241,45 @@ pub struct HorizonVerdict {
     pub verdict: Verdict,
 }
 
+/// Of the models that are not told what the driver does, then of those that are.
 pub(super) fn verdicts(rows: &[HorizonRow], horizons_s: &[f64]) -> Vec<HorizonVerdict> {
-    let best = |baseline: bool, horizon: usize| {
+    let horizons = || horizons_s.iter().enumerate();
+    [false, true]
+        .into_iter()
+        .flat_map(|told| horizons().filter_map(move |(k, &h)| verdict(rows, told, k, h)))
+        .collect()
+}
+
+fn verdict(
+    rows: &[HorizonRow],
+    told: bool,
+    horizon: usize,
+    horizon_s: f64,
+) -> Option<HorizonVerdict> {
+    let best = |baseline: bool| {
         let rows = rows.iter().filter(|row| {
-            row.baseline == baseline && !row.foresees && row.figures[horizon].rmse_mps.is_finite()
+            let rmse_mps = row.figures[horizon].rmse_mps;
+            row.baseline == baseline && row.told == told && !row.foresees && rmse_mps.is_finite()
         });
-        rows.min_by(|a, b| {
-            a.figures[horizon]
-                .rmse_mps
-                .total_cmp(&b.figures[horizon].rmse_mps)
-        })
+        let rmse_mps = |row: &&HorizonRow| row.figures[horizon].rmse_mps;
+        rows.min_by(|a, b| rmse_mps(a).total_cmp(&rmse_mps(b)))
     };
-    let verdict = |(horizon, &horizon_s): (usize, &f64)| {
-        let (model, baseline) = (best(false, horizon)?, best(true, horizon)?);
-        let units = model.errors[horizon]
-            .units
-            .iter()
-            .zip(&baseline.errors[horizon].units);
-        let units = units
-            .filter(|(unit, _)| unit.2 > 0.0)
-            .map(|(a, b)| (a.0 - b.0, a.2));
-        let interval = RatioInterval::of(units);
-        Some(HorizonVerdict {
-            horizon_s,
-            model: model.model.clone(),
-            baseline: baseline.model.clone(),
-            difference_mps: model.figures[horizon].rmse_mps - baseline.figures[horizon].rmse_mps,
-            square_difference_interval: interval.map(|interval| (interval.low, interval.high)),
-            verdict: interval.as_ref().map_or(Verdict::Unclear, Verdict::of),
-        })
-    };
-    horizons_s.iter().enumerate().filter_map(verdict).collect()
+    let (model, baseline) = (best(false)?, best(true)?);
+    let units = model.errors[horizon]
+        .units
+        .iter()
+        .zip(&baseline.errors[horizon].units);
+    let units = units
+        .filter(|(unit, _)| unit.2 > 0.0)
+        .map(|(a, b)| (a.0 - b.0, a.2));
+    let interval = RatioInterval::of(units);
+    Some(HorizonVerdict {
+        horizon_s,
+        told,
+        model: model.model.clone(),
+        baseline: baseline.model.clone(),
+        difference_mps: model.figures[horizon].rmse_mps - baseline.figures[horizon].rmse_mps,
+        square_difference_interval: interval.map(|interval| (interval.low, interval.high)),
+        verdict: interval.as_ref().map_or(Verdict::Unclear, Verdict::of),
+    })
 }

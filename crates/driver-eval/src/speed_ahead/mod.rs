@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use driver_model::error::at_least;
 use driver_model::speed_ahead::{
-    DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
+    DirectModel, DirectSettings, DriverChannel, FittedTrial, Trial, TrialSettings, origins,
 };
 use driver_model::{ModelKind, Motion, Subject};
 use ev_energy::Vehicle;
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::hold_out::Split;
 pub use data::TrajectoryData;
-use horizon::{HorizonErrors, verdicts};
-pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict};
+use horizon::{HorizonErrors, Judged, verdicts};
+pub use horizon::{HorizonFigures, HorizonRow, HorizonVerdict, IntervalFigures};
 pub use trip_figures::{TripFigures, TripSummary};
 
 /// What is evaluated.
@@ -84,9 +84,11 @@ impl TrialResult {
 pub struct TrajectoryEvaluation {
     /// Seconds ahead.
     pub horizons_s: Vec<f64>,
+    /// What models are told that have it in their name; empty where no drive has it.
+    pub channels: Vec<DriverChannel>,
     /// Models with baselines, and the trials by recursion where there are limits.
     pub rows: Vec<HorizonRow>,
-    /// The best model against the best baseline, per horizon.
+    /// The best model against the best baseline that knows the same, per horizon.
     pub verdicts: Vec<HorizonVerdict>,
     /// Empty where a drive has no speed limits.
     pub trials: Vec<TrialResult>,
@@ -122,10 +124,11 @@ pub fn evaluate_trajectory(
         progress();
         outcome
     };
-    let outcomes: Vec<Result<FoldOutcome, Error>> = jobs.par_iter().map(run).collect();
+    let outcomes: Vec<Result<FoldOutcomes, Error>> = jobs.par_iter().map(run).collect();
 
     let mut evaluation = TrajectoryEvaluation {
         horizons_s: settings.direct.horizons_s.clone(),
+        channels: data.channels(&settings.direct),
         rows: Vec::new(),
         verdicts: Vec::new(),
         trials: Vec::new(),
@@ -133,10 +136,18 @@ pub fn evaluate_trajectory(
     };
     let mut outcomes = outcomes.into_iter();
     for contestant in contestants {
-        let folds: Result<Vec<FoldOutcome>, Error> =
+        let folds: Result<Vec<FoldOutcomes>, Error> =
             outcomes.by_ref().take(settings.folds).collect();
         match folds {
-            Ok(folds) => evaluation.add(contestant, folds, units),
+            Ok(folds) => {
+                let (untold, told): (Vec<_>, Vec<_>) =
+                    folds.into_iter().map(|fold| (fold.untold, fold.told)).unzip();
+                evaluation.add(contestant, false, untold, units);
+                let told: Vec<FoldOutcome> = told.into_iter().flatten().collect();
+                if !told.is_empty() {
+                    evaluation.add(contestant, true, told, units);
+                }
+            }
             Err(error) if contestant.learns() => {
                 evaluation
                     .left_out
@@ -167,6 +178,9 @@ impl TrajectorySettings {
     }
 }
 
+/// Behind the name of a model that is told what the driver does.
+const TOLD: &str = "+channels";
+
 /// What predicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Contestant {
@@ -174,7 +188,13 @@ enum Contestant {
     Trial(Trial),
 }
 
-/// One contestant on one fold.
+/// One contestant on one fold, and told what the driver does where the drives know it.
+struct FoldOutcomes {
+    untold: FoldOutcome,
+    told: Option<FoldOutcome>,
+}
+
+/// One model on one fold.
 struct FoldOutcome {
     errors: Vec<HorizonErrors>,
     trial: Option<(FittedTrial, Vec<TrialTrip>)>,
@@ -206,10 +226,13 @@ impl Contestant {
         data: &TrajectoryData,
         vehicle: &Vehicle,
         settings: &TrajectorySettings,
-    ) -> Result<FoldOutcome, Error> {
+    ) -> Result<FoldOutcomes, Error> {
         match self {
             Self::Direct(kind) => run_direct(kind, split, data, settings),
-            Self::Trial(trial) => run_trial(trial, split, data, vehicle, settings),
+            Self::Trial(trial) => Ok(FoldOutcomes {
+                untold: run_trial(trial, split, data, vehicle, settings)?,
+                told: None,
+            }),
         }
     }
 }
@@ -223,24 +246,48 @@ fn run_direct(
     split: Split<'_>,
     data: &TrajectoryData,
     settings: &TrajectorySettings,
+) -> Result<FoldOutcomes, Error> {
+    let started = Instant::now();
+    let motions = learnt_from(split, data);
+    let model = DirectModel::fit_untold(kind, &motions, &settings.direct)?;
+    let fit_seconds = started.elapsed().as_secs_f64();
+    let untold = predict_held_out(&model, split, data, settings, fit_seconds)?;
+    if !kind.is_fitted() || data.channels(&settings.direct).is_empty() {
+        return Ok(FoldOutcomes { untold, told: None });
+    }
+    let started = Instant::now();
+    let told = model.learn_channels(&motions, &settings.direct)?;
+    let fit_seconds = started.elapsed().as_secs_f64();
+    let told = predict_held_out(&told, split, data, settings, fit_seconds)?;
+    Ok(FoldOutcomes {
+        untold,
+        told: Some(told),
+    })
+}
+
+fn predict_held_out(
+    model: &DirectModel,
+    split: Split<'_>,
+    data: &TrajectoryData,
+    settings: &TrajectorySettings,
+    fit_seconds: f64,
 ) -> Result<FoldOutcome, Error> {
     let started = Instant::now();
-    let model = DirectModel::fit(kind, &learnt_from(split, data), &settings.direct)?;
-    let fit_seconds = started.elapsed().as_secs_f64();
-    let started = Instant::now();
-    let intervals: Vec<Option<f64>> = model.intervals_mps().collect();
-    let mut errors = HorizonErrors::for_each(&intervals, data.hold_out.units().len());
+    let one_width: Vec<Option<f64>> = model.one_width_mps().collect();
+    let units = data.hold_out.units().len();
+    let mut errors = vec![HorizonErrors::none(units); one_width.len()];
     for i in split.held_out() {
         let motion = &data.motions[i];
         let origins = model.origins(motion, settings.direct.sample_step_s);
         for (&origin, ahead) in origins.iter().zip(model.predict(motion, &origins)?) {
-            for ((errors, horizon_s), speed) in errors
-                .iter_mut()
-                .zip(model.horizons_s())
-                .zip(ahead.speed_mps)
-            {
-                let measured = motion.speed_mps()[origin + motion.samples_in(horizon_s)];
-                errors.add(data.hold_out.unit_of()[i], speed - measured);
+            for (k, (errors, horizon_s)) in errors.iter_mut().zip(model.horizons_s()).enumerate() {
+                let judged = Judged {
+                    predicted_mps: ahead.speed_mps[k],
+                    measured_mps: motion.speed_mps()[origin + motion.samples_in(horizon_s)],
+                    interval_mps: ahead.interval_mps[k],
+                    one_width_mps: one_width[k],
+                };
+                errors.add(data.hold_out.unit_of()[i], judged, settings.direct.coverage);
             }
         }
     }
@@ -265,8 +312,8 @@ fn run_trial(
     let fit_seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let horizons_s = &settings.direct.horizons_s;
-    let mut errors =
-        HorizonErrors::for_each(&vec![None; horizons_s.len()], data.hold_out.units().len());
+    let units = data.hold_out.units().len();
+    let mut errors = vec![HorizonErrors::none(units); horizons_s.len()];
     let mut trips = Vec::new();
     for i in split.held_out() {
         let motion = &data.motions[i];
@@ -285,10 +332,13 @@ fn run_trial(
         for (&origin, ahead) in origins.iter().zip(ahead) {
             for (errors, &horizon_s) in errors.iter_mut().zip(horizons_s) {
                 let steps = motion.samples_in(horizon_s);
-                errors.add(
-                    data.hold_out.unit_of()[i],
-                    ahead[steps - 1] - motion.speed_mps()[origin + steps],
-                );
+                let judged = Judged {
+                    predicted_mps: ahead[steps - 1],
+                    measured_mps: motion.speed_mps()[origin + steps],
+                    interval_mps: None,
+                    one_width_mps: None,
+                };
+                errors.add(data.hold_out.unit_of()[i], judged, settings.direct.coverage);
             }
         }
     }
@@ -302,7 +352,7 @@ fn run_trial(
 }
 
 impl TrajectoryEvaluation {
-    fn add(&mut self, contestant: Contestant, folds: Vec<FoldOutcome>, units: usize) {
+    fn add(&mut self, contestant: Contestant, told: bool, folds: Vec<FoldOutcome>, units: usize) {
         let mut errors = vec![HorizonErrors::none(units); self.horizons_s.len()];
         let (mut fit_seconds, mut predict_seconds, mut unfinished) = (0.0, 0.0, 0);
         let (mut fits, mut trips) = (Vec::new(), Vec::new());
@@ -318,12 +368,9 @@ impl TrajectoryEvaluation {
                 trips.extend(predicted);
             }
         }
-        let mut row = HorizonRow::new(
-            contestant.name(),
-            contestant.is_baseline(),
-            matches!(contestant, Contestant::Trial(_)),
-            errors,
-        );
+        let name = contestant.name() + if told { TOLD } else { "" };
+        let foresees = matches!(contestant, Contestant::Trial(_));
+        let mut row = HorizonRow::new(name, contestant.is_baseline(), told, foresees, errors);
         (row.fit_seconds, row.predict_seconds, row.unfinished) =
             (fit_seconds, predict_seconds, unfinished);
         self.rows.push(row);

@@ -197,7 +197,7 @@ pub fn name(drive: &[Motion]) -> &str {
 }
 
 /// The values with gaps filled by what came before, or by the first value at the start. `None` without any value.
-fn held(values: &[f64]) -> Option<Arc<[f64]>> {
+pub(crate) fn held(values: &[f64]) -> Option<Arc<[f64]>> {
     let mut last = *values.iter().find(|value| value.is_finite())?;
     let hold = values.iter().map(|&value| {
         if value.is_finite() {

@@ -70,10 +70,15 @@ impl BoostedTrees {
     ///
     /// # Errors
     /// [`Error::Fit`] where the library gives up.
-    pub(super) fn fit(rows: &[f64], predictors: usize, response: &[f64]) -> Result<Self, Error> {
+    pub(super) fn fit(
+        rows: &[f64],
+        predictors: usize,
+        response: &[f64],
+        trees: usize,
+    ) -> Result<Self, Error> {
         let mut booster = GradientBooster::default()
             .set_objective_type(ObjectiveType::SquaredLoss)
-            .set_iterations(250)
+            .set_iterations(trees)
             .set_learning_rate(0.05)
             .set_max_leaves(15)
             .set_max_depth(12)
@@ -121,12 +126,15 @@ impl BoostedTrees {
     }
 
     pub(super) fn predict(&self, rows: &[f64]) -> Vec<f64> {
-        let answer = |row: &[f64]| {
-            self.trees
-                .iter()
-                .fold(self.base, |sum, tree| sum + leaf(tree, row))
-        };
-        rows.chunks_exact(self.predictors).map(answer).collect()
+        let rows = rows.chunks_exact(self.predictors);
+        rows.map(|row| self.answer(row)).collect()
+    }
+
+    /// For one row of predictors.
+    pub(super) fn answer(&self, row: &[f64]) -> f64 {
+        self.trees
+            .iter()
+            .fold(self.base, |sum, tree| sum + leaf(tree, row))
     }
 }
 

@@ -2,12 +2,15 @@
 
 mod boosted_trees;
 mod direct;
+mod driver_channel;
+mod interval;
 mod kind;
 mod predictors;
 mod selection;
 mod trial;
 
 pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead, origins};
+pub use driver_channel::DriverChannel;
 pub use trial::{FittedTrial, Trial, TrialSettings};
 
 /// Memory of the kernel rows of one fit; as many fits run at once as there are threads.

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::DriverChannel;
 use crate::Motion;
+use crate::motion::held;
 
 /// One predictor. Speeds before the first sample count as the first speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -50,6 +52,25 @@ pub(super) enum Predictor {
         /// Seconds ahead at the present speed.
         seconds: f64,
     },
+    /// What the driver does now.
+    Does {
+        /// The channel.
+        channel: DriverChannel,
+    },
+    /// What the driver does now less what he did a lag ago.
+    DoesChange {
+        /// The channel.
+        channel: DriverChannel,
+        /// Lag.
+        lag_s: f64,
+    },
+    /// Mean of what the driver did since `t − window`.
+    DoesMean {
+        /// The channel.
+        channel: DriverChannel,
+        /// Window.
+        window_s: f64,
+    },
 }
 
 /// A predictor and how much a distance in it counts for kernels, beside 1.
@@ -62,7 +83,12 @@ const LEAST_SLOPE_DISTANCE_M: f64 = 20.0;
 const NO_CHANGE_MPS: f64 = 1e-6;
 
 /// Predictors for logs with this sampling interval.
-pub(super) fn predictors(step_s: f64, limits: bool, slope: bool) -> Vec<Weighted> {
+pub(super) fn predictors(
+    step_s: f64,
+    limits: bool,
+    slope: bool,
+    channels: &[DriverChannel],
+) -> Vec<Weighted> {
     use Predictor::{Change, Deviation, Elapsed, Greatest, Limit, Mean, Slope, Speed, Unchanged};
     let change = |lag_s, weight| (Change { lag_s }, weight);
     let mut chosen = vec![(Speed, 2.0)];
@@ -85,7 +111,33 @@ pub(super) fn predictors(step_s: f64, limits: bool, slope: bool) -> Vec<Weighted
     if slope {
         chosen.extend([2.0, 5.0, 10.0].map(|seconds| (Slope { seconds }, 0.25)));
     }
+    chosen.extend(channels.iter().flat_map(|channel| channel.predictors()));
     chosen
+}
+
+impl DriverChannel {
+    fn predictors(self) -> Vec<Weighted> {
+        let channel = self;
+        let change = |lag_s| Predictor::DoesChange { channel, lag_s };
+        let mean = |window_s| Predictor::DoesMean { channel, window_s };
+        vec![
+            (Predictor::Does { channel }, 1.0),
+            (change(1.0), 0.5),
+            (change(3.0), 0.5),
+            (mean(2.0), 0.5),
+            (mean(10.0), 0.25),
+        ]
+    }
+
+    /// Values with gaps held; 0 where the drive does not have the channel.
+    fn values(self, motion: &Motion) -> std::borrow::Cow<'_, [f64]> {
+        let recorded = motion.log().channel(self.channel());
+        match recorded {
+            Some(values) if values.iter().all(|value| value.is_finite()) => values.into(),
+            Some(values) => held(values).map_or_else(|| vec![0.0; values.len()].into(), |v| v.to_vec().into()),
+            None => vec![0.0; motion.len()].into(),
+        }
+    }
 }
 
 /// Rows of predictors of a motion, one per origin: value `j` of origin `i` at `i·predictors + j`.
@@ -103,7 +155,7 @@ impl Predictor {
     /// Whether its times are positive, as those of a file might not be.
     pub(super) fn is_usable(self) -> bool {
         match self {
-            Self::Speed => true,
+            Self::Speed | Self::Does { .. } => true,
             Self::Change { lag_s: time_s }
             | Self::Deviation { window_s: time_s }
             | Self::Mean { window_s: time_s }
@@ -111,7 +163,11 @@ impl Predictor {
             | Self::Elapsed { cap_s: time_s }
             | Self::Unchanged { cap_s: time_s }
             | Self::Limit { seconds: time_s }
-            | Self::Slope { seconds: time_s } => (0.0..=1e6).contains(&time_s),
+            | Self::Slope { seconds: time_s }
+            | Self::DoesChange { lag_s: time_s, .. }
+            | Self::DoesMean {
+                window_s: time_s, ..
+            } => (0.0..=1e6).contains(&time_s),
         }
     }
 
@@ -166,6 +222,19 @@ impl Predictor {
                 }
                 None => vec![0.0; origins.len()],
             },
+            Self::Does { channel } => {
+                let values = channel.values(motion);
+                at(&|i| values[i])
+            }
+            Self::DoesChange { channel, lag_s } => {
+                let (values, lag) = (channel.values(motion), motion.samples_in(lag_s));
+                at(&|i| values[i] - values[i.saturating_sub(lag)])
+            }
+            Self::DoesMean { channel, window_s } => {
+                let moments = Moments::of(&channel.values(motion));
+                let window = motion.samples_in(window_s);
+                at(&|i| moments.mean(i.saturating_sub(window), i))
+            }
         }
     }
 }

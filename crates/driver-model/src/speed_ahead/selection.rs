@@ -54,7 +54,7 @@ impl DirectSettings {
         Ok((usable, left_out))
     }
 
-    fn longest_s(&self) -> f64 {
+    pub(super) fn longest_s(&self) -> f64 {
         self.horizons_s.iter().copied().fold(0.0, f64::max)
     }
 

@@ -46,8 +46,9 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
                 .iter()
                 .map(|figures| number(figures.rmse_mps, 3)),
         );
-        let coverage = row.figures.last().and_then(|figures| figures.coverage_pct);
-        cells.push(coverage.map_or_else(String::new, |pct| format!("{} %", number(pct, 1))));
+        let interval = row.figures.last().and_then(|figures| figures.interval);
+        let holds = interval.map(|interval| format!("{} %", number(interval.coverage_pct, 1)));
+        cells.push(holds.unwrap_or_default());
         cells.push(number(row.fit_seconds, 1));
         cells
     };

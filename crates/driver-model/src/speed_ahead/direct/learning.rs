@@ -1,17 +1,30 @@
 use rayon::prelude::*;
 use svr::{Response, Samples};
 
-use super::{DirectModel, DirectSettings, Horizon, origins};
+use super::knowledge::{Horizon, Knowledge};
+use super::{DirectModel, DirectSettings, origins};
+use crate::speed_ahead::DriverChannel;
 use crate::speed_ahead::boosted_trees::BoostedTrees;
+use crate::speed_ahead::interval::{HeldErrors, Intervals};
 use crate::speed_ahead::predictors::{Predictor, predictors, rows};
 use crate::{Error, ModelKind, Motion, Subject};
 
 /// Fewer samples teach nothing.
 const LEAST_SAMPLES: usize = 50;
 
+/// Trees of a prediction.
+const TREES: usize = 250;
+
+/// Parts of the drives, each predicted from the others, for errors that intervals learn from.
+const PARTS: usize = 3;
+
+/// A channel that less of the time is recorded is not used: the drives without would be too much to lose.
+const LEAST_WITH_CHANNEL: f64 = 0.5;
+
 impl DirectModel {
     /// Fits one regression per horizon to drives of the same sampling interval, and prediction intervals to the errors on
-    /// every third drive, predicted from the others.
+    /// every third drive, predicted from the others. Where most of the time the log says what the driver does, a second regression
+    /// learns from it, see [`learn_channels`](Self::learn_channels).
     ///
     /// # Errors
     /// [`Error::TooFewMoments`] where there is not enough to learn from, [`Error::Option`] for settings out of range,
@@ -22,34 +35,22 @@ impl DirectModel {
         motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
-        if kind.subject() != Subject::SpeedAhead {
-            return Err(Error::not_of(Subject::SpeedAhead, kind));
-        }
-        settings.check()?;
-        let mut model = Self::fit_points(kind, motions, settings)?;
-        if kind.is_fitted() {
-            let third = |held: bool| -> Vec<&Motion> {
-                let motions = motions.iter().enumerate();
-                motions
-                    .filter(|(i, _)| (i % 3 == 2) == held)
-                    .map(|(_, motion)| *motion)
-                    .collect()
-            };
-            match Self::fit_points(kind, &third(false), settings) {
-                Ok(part) => model.calibrate(&part, &third(true), settings.coverage)?,
-                // Too few drives for intervals.
-                Err(Error::TooFewMoments { .. }) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(model)
+        Self::fit_untold(kind, motions, settings)?.learn_channels(motions, settings)
     }
 
-    fn fit_points(
+    /// As [`fit`](Self::fit) without the driver's channels.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    pub fn fit_untold(
         kind: ModelKind,
         motions: &[&Motion],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
+        if kind.subject() != Subject::SpeedAhead {
+            return Err(Error::not_of(Subject::SpeedAhead, kind));
+        }
+        settings.check()?;
         let step_s = motions.first().map_or(1.0, |motion| motion.step_s());
         if let Some(other) = motions
             .iter()
@@ -61,33 +62,109 @@ impl DirectModel {
                 expected_s: step_s,
             });
         }
+        Ok(Self {
+            kind,
+            step_s,
+            told: None,
+            untold: Knowledge::fit(kind, motions, settings, &[])?,
+        })
+    }
+
+    /// Learns from the channels of `settings` that are recorded in half of the time or more, from the drives that have them all. Unchanged
+    /// where there are none, or too few moments.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    pub fn learn_channels(
+        mut self,
+        motions: &[&Motion],
+        settings: &DirectSettings,
+    ) -> Result<Self, Error> {
+        let channels = settings.known_channels(motions);
+        if channels.is_empty() || !self.kind.is_fitted() {
+            return Ok(self);
+        }
+        let with: Vec<&Motion> = motions
+            .iter()
+            .filter(|motion| channels.iter().all(|channel| channel.is_known_in(motion)))
+            .copied()
+            .collect();
+        self.told = match Knowledge::fit(self.kind, &with, settings, &channels) {
+            Ok(told) => Some(told),
+            Err(Error::TooFewMoments { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        Ok(self)
+    }
+}
+
+impl DirectSettings {
+    /// The channels that models fitted to these drives are told.
+    #[must_use]
+    pub fn known_channels(&self, motions: &[&Motion]) -> Vec<DriverChannel> {
+        let time_s = |motion: &&Motion| motion.len() as f64 * motion.step_s();
+        let all_s: f64 = motions.iter().map(time_s).sum();
+        let is_known = |channel: &&DriverChannel| {
+            let with = motions.iter().filter(|motion| channel.is_known_in(motion));
+            with.map(time_s).sum::<f64>() > LEAST_WITH_CHANNEL * all_s
+        };
+        self.channels.iter().filter(is_known).copied().collect()
+    }
+}
+
+impl Knowledge {
+    fn fit(
+        kind: ModelKind,
+        motions: &[&Motion],
+        settings: &DirectSettings,
+        channels: &[DriverChannel],
+    ) -> Result<Self, Error> {
+        let mut knowledge = Self::fit_points(kind, motions, settings, channels)?;
+        if kind.is_fitted() {
+            // One after the other: each may take a gigabyte.
+            let errors = (0..PARTS).map(|part| knowledge.held_errors(part, kind, motions, settings));
+            let errors: Vec<HeldErrors> = errors.collect::<Result<_, _>>()?;
+            let d = knowledge.predictors.len();
+            knowledge.intervals = Intervals::fit(&errors, d, settings.coverage)?;
+        }
+        Ok(knowledge)
+    }
+
+    fn fit_points(
+        kind: ModelKind,
+        motions: &[&Motion],
+        settings: &DirectSettings,
+        channels: &[DriverChannel],
+    ) -> Result<Self, Error> {
+        let step_s = motions.first().map_or(1.0, |motion| motion.step_s());
         let limits = motions.iter().all(|motion| motion.limit_mps().is_some());
         let slope =
             settings.slope_ahead && motions.iter().all(|motion| motion.slope_rad().is_some());
-        let weighted = predictors(step_s, limits, slope);
+        let weighted = predictors(step_s, limits, slope, channels);
         let horizon = |&horizon_s| Horizon {
             horizon_s,
-            interval_mps: None,
             regression: None,
             trees: None,
             status: None,
         };
-        let mut model = Self {
-            kind,
-            step_s,
+        let mut knowledge = Self {
+            channels: channels.to_vec(),
+            drives: motions.len(),
             samples: 0,
             predictors: weighted.iter().map(|(predictor, _)| *predictor).collect(),
             horizons: settings.horizons_s.iter().map(horizon).collect(),
+            intervals: None,
         };
         if kind.is_fitted() {
             let weights = weighted.iter().map(|(_, weight)| *weight).collect();
-            model.learn(motions, settings, weights)?;
+            knowledge.learn(kind, motions, settings, weights)?;
         }
-        Ok(model)
+        Ok(knowledge)
     }
 
     fn learn(
         &mut self,
+        kind: ModelKind,
         motions: &[&Motion],
         settings: &DirectSettings,
         weights: Vec<f64>,
@@ -101,12 +178,12 @@ impl DirectModel {
             .map(|changes| Response::new(changes));
         let responses = responses.collect::<Result<Vec<_>, _>>()?;
         self.samples = samples.len();
-        let regressions = self.kind.regressions(&samples, &responses, weights)?;
-        let trees = self.kind.has_trees().then(|| {
+        let regressions = kind.regressions(&samples, &responses, weights)?;
+        let trees = kind.has_trees().then(|| {
             let trees = training
                 .changes
                 .par_iter()
-                .map(|changes| BoostedTrees::fit(&training.rows, d, changes));
+                .map(|changes| BoostedTrees::fit(&training.rows, d, changes, TREES));
             trees.collect::<Result<Vec<_>, Error>>()
         });
         let mut trees = trees.transpose()?.unwrap_or_default().into_iter();
@@ -120,36 +197,41 @@ impl DirectModel {
         Ok(())
     }
 
-    /// Split conformal prediction (V. Vovk, A. Gammerman, G. Shafer, 2005), by whole drives: neighbours resemble each other.
-    fn calibrate(
-        &mut self,
-        calibration: &Self,
-        held: &[&Motion],
-        coverage: f64,
-    ) -> Result<(), Error> {
-        let mut errors = vec![Vec::new(); self.horizons.len()];
-        for motion in held {
-            let origins = calibration.origins(motion, 1.0);
-            let predicted = calibration.predict(motion, &origins)?;
-            for (&origin, ahead) in origins.iter().zip(predicted) {
-                for ((errors, horizon), speed) in
-                    errors.iter_mut().zip(&self.horizons).zip(ahead.speed_mps)
-                {
-                    let measured =
-                        motion.speed_mps()[origin + motion.samples_in(horizon.horizon_s)];
-                    errors.push((speed - measured).abs());
-                }
+    /// Errors on every third drive, predicted from the others: whole drives, since neighbours resemble each other. Empty where the others
+    /// are too little to learn from.
+    fn held_errors(
+        &self,
+        part: usize,
+        kind: ModelKind,
+        motions: &[&Motion],
+        settings: &DirectSettings,
+    ) -> Result<HeldErrors, Error> {
+        let (held, others): (Vec<_>, Vec<_>) =
+            motions.iter().enumerate().partition(|(i, _)| i % PARTS == part);
+        let others: Vec<&Motion> = others.into_iter().map(|(_, motion)| *motion).collect();
+        let mut errors = HeldErrors::default();
+        let others = match Self::fit_points(kind, &others, settings, &self.channels) {
+            Ok(others) => others,
+            Err(Error::TooFewMoments { .. }) => return Ok(errors),
+            Err(error) => return Err(error),
+        };
+        let longest_s = settings.longest_s();
+        for (_, motion) in held {
+            let origins = origins(motion, longest_s, settings.sample_step_s.max(1.0));
+            let ahead = others.predict(kind, motion, &origins)?;
+            errors.rows.extend(rows(motion, &self.predictors, &origins));
+            for (&origin, ahead) in origins.iter().zip(ahead) {
+                let (speed_mps, here) = (motion.speed_mps(), motion.speed_mps()[origin]);
+                let horizons = settings.horizons_s.iter().zip(&ahead.speed_mps);
+                let error = |(&horizon_s, predicted): (&f64, &f64)| {
+                    speed_mps[origin + motion.samples_in(horizon_s)] - predicted
+                };
+                errors.errors_mps.push(horizons.map(error).collect());
+                let changes = ahead.speed_mps.iter().map(|predicted| predicted - here);
+                errors.changes_mps.push(changes.collect());
             }
         }
-        for (horizon, errors) in self.horizons.iter_mut().zip(&mut errors) {
-            let rank = (coverage * (errors.len() + 1) as f64).ceil() as usize;
-            if errors.is_empty() || rank > errors.len() {
-                continue;
-            }
-            let (_, quantile, _) = errors.select_nth_unstable_by(rank - 1, f64::total_cmp);
-            horizon.interval_mps = Some(*quantile);
-        }
-        Ok(())
+        Ok(errors)
     }
 }
 
@@ -166,7 +248,7 @@ impl Training {
         predictors: &[Predictor],
         settings: &DirectSettings,
     ) -> Result<Self, Error> {
-        let longest_s = settings.horizons_s.iter().copied().fold(0.0, f64::max);
+        let longest_s = settings.longest_s();
         let origins: Vec<Vec<usize>> = motions
             .iter()
             .map(|motion| origins(motion, longest_s, settings.sample_step_s))

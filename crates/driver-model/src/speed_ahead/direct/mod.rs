@@ -1,5 +1,6 @@
 //! The speed some seconds ahead, predicted at once and not step by step: one regression of `v(t + h) − v(t)` per horizon `h`.
 
+mod knowledge;
 mod learning;
 mod regression;
 mod settings;
@@ -7,54 +8,37 @@ mod settings;
 mod tests;
 
 use serde::{Deserialize, Serialize};
-use svr::{Samples, Status};
+use svr::Status;
 
-use super::boosted_trees::BoostedTrees;
-use super::predictors::{Predictor, rows};
+use super::DriverChannel;
 use crate::statistics::mean;
 use crate::{Error, ModelKind, Motion, Subject};
+use knowledge::{Horizon, Knowledge};
 pub use settings::DirectSettings;
 
 /// History that an origin must have behind it.
 pub(super) const LEAST_PAST_S: f64 = 5.0;
 
 /// A fitted direct prediction.
+///
+/// Where most of the drives know what the driver does, see [`DriverChannel`], there are two: one that is told, and one for drives
+/// without these channels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawModel")]
 pub struct DirectModel {
     kind: ModelKind,
     step_s: f64,
-    samples: usize,
-    predictors: Vec<Predictor>,
-    horizons: Vec<Horizon>,
+    told: Option<Knowledge>,
+    untold: Knowledge,
 }
-
-/// What is known of one horizon.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Horizon {
-    horizon_s: f64,
-    /// Half width of the prediction interval; none for a baseline that is not fitted.
-    interval_mps: Option<f64>,
-    regression: Option<Regression>,
-    trees: Option<BoostedTrees>,
-    /// How the solver of a support vector regression ended.
-    status: Option<Status>,
-}
-
-type Regression = svr::Model;
-
-/// A regression, and how its solver ended where it is one that might not.
-type Solved = (Regression, Option<Status>);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawModel {
     kind: ModelKind,
     step_s: f64,
-    samples: usize,
-    predictors: Vec<Predictor>,
-    horizons: Vec<Horizon>,
+    told: Option<Knowledge>,
+    untold: Knowledge,
 }
 
 impl TryFrom<RawModel> for DirectModel {
@@ -64,16 +48,14 @@ impl TryFrom<RawModel> for DirectModel {
         let RawModel {
             kind,
             step_s,
-            samples,
-            predictors,
-            horizons,
+            told,
+            untold,
         } = raw;
         let model = Self {
             kind,
             step_s,
-            samples,
-            predictors,
-            horizons,
+            told,
+            untold,
         };
         model.check().map_err(|reason| Error::ModelFile {
             reason: reason.to_owned(),
@@ -87,6 +69,8 @@ impl TryFrom<RawModel> for DirectModel {
 pub struct SpeedAhead {
     /// Predicted, one per horizon; never negative.
     pub speed_mps: Vec<f64>,
+    /// Lower and upper bound per horizon, none where the model has none.
+    pub interval_mps: Vec<Option<(f64, f64)>>,
 }
 
 /// Predictions at one horizon beside what was measured.
@@ -94,10 +78,14 @@ pub struct SpeedAhead {
 pub struct HorizonScore {
     /// Seconds ahead.
     pub horizon_s: f64,
-    /// Half width of the prediction interval.
+    /// Mean half width of the prediction interval.
     pub interval_mps: Option<f64>,
     /// One per moment.
     pub speed_mps: Vec<f64>,
+    /// Lower end of the prediction interval, one per moment; empty for a model without.
+    pub low_mps: Vec<f64>,
+    /// Upper end.
+    pub high_mps: Vec<f64>,
     /// One per moment; `None` where the drive is over by then.
     pub measured_mps: Vec<Option<f64>>,
     /// Root mean square error; `None` where nothing was measured.
@@ -122,13 +110,45 @@ impl DirectModel {
     /// Number of predictors.
     #[must_use]
     pub fn predictors(&self) -> usize {
-        self.predictors.len()
+        self.best().predictors.len()
     }
 
     /// Samples learnt from.
     #[must_use]
     pub fn samples(&self) -> usize {
-        self.samples
+        self.untold.samples
+    }
+
+    /// What it is told beside speed and limits; nothing is empty.
+    #[must_use]
+    pub fn channels(&self) -> &[DriverChannel] {
+        &self.best().channels
+    }
+
+    /// Drives that taught it, with [`channels`](Self::channels) and in all.
+    #[must_use]
+    pub fn drives(&self) -> (usize, usize) {
+        (self.best().drives, self.untold.drives)
+    }
+
+    /// Whether it predicts this drive without [`channels`](Self::channels), since the drive lacks one.
+    #[must_use]
+    pub fn falls_back(&self, motion: &Motion) -> bool {
+        self.told.as_ref().is_some_and(|told| !told.serves(motion))
+    }
+
+    /// The same without the driver's channels.
+    #[must_use]
+    pub fn without_channels(self) -> Self {
+        Self { told: None, ..self }
+    }
+
+    fn best(&self) -> &Knowledge {
+        self.told.as_ref().unwrap_or(&self.untold)
+    }
+
+    fn knowledge(&self) -> impl Iterator<Item = &Knowledge> {
+        self.told.iter().chain(std::iter::once(&self.untold))
     }
 
     /// Horizons whose solver stopped before the optimum.
@@ -138,8 +158,8 @@ impl DirectModel {
                 .status
                 .is_some_and(|status| status != Status::Optimal)
         };
-        self.horizons
-            .iter()
+        self.knowledge()
+            .flat_map(|knowledge| &knowledge.horizons)
             .filter(unfinished)
             .map(|horizon| horizon.horizon_s)
     }
@@ -152,12 +172,15 @@ impl DirectModel {
 
     /// Seconds ahead.
     pub fn horizons_s(&self) -> impl ExactSizeIterator<Item = f64> {
-        self.horizons.iter().map(|horizon| horizon.horizon_s)
+        self.untold.horizons.iter().map(|horizon| horizon.horizon_s)
     }
 
-    /// Half width of the prediction interval per horizon, where there is one.
-    pub fn intervals_mps(&self) -> impl Iterator<Item = Option<f64>> {
-        self.horizons.iter().map(|horizon| horizon.interval_mps)
+    /// Half width per horizon of the interval that has the same width at every moment, where there is one. Intervals of moments are in
+    /// [`SpeedAhead`].
+    pub fn one_width_mps(&self) -> impl Iterator<Item = Option<f64>> {
+        let best = self.best();
+        let width = |k: usize| best.intervals.as_ref().map(|of| of.one_width_mps[k]);
+        (0..best.horizons.len()).map(width)
     }
 
     /// Moments every `step_s` from which all horizons can be compared with the measured speed.
@@ -179,40 +202,14 @@ impl DirectModel {
                 expected_s: self.step_s,
             });
         }
-        let knows_limits = self
-            .predictors
-            .iter()
-            .any(|p| matches!(p, Predictor::Limit { .. }));
-        if knows_limits && motion.limit_mps().is_none() {
+        let told = self.told.as_ref().filter(|told| told.serves(motion));
+        let knowledge = told.unwrap_or(&self.untold);
+        if knowledge.needs_limits() && motion.limit_mps().is_none() {
             return Err(Error::NoLimits {
                 log: motion.name().to_owned(),
             });
         }
-        let mut ahead: Vec<SpeedAhead> = origins
-            .iter()
-            .map(|_| SpeedAhead {
-                speed_mps: Vec::new(),
-            })
-            .collect();
-        if origins.is_empty() {
-            return Ok(ahead);
-        }
-        let rows = rows(motion, &self.predictors, origins);
-        for horizon in &self.horizons {
-            let changes = match self.kind.baseline_change(horizon.horizon_s) {
-                Some(change) => origins
-                    .iter()
-                    .map(|&origin| change * accel_mps2(motion, origin))
-                    .collect(),
-                None => horizon.changes(&rows, self.predictors.len())?,
-            };
-            for ((ahead, change), &origin) in ahead.iter_mut().zip(changes).zip(origins) {
-                ahead
-                    .speed_mps
-                    .push((motion.speed_mps()[origin] + change).max(0.0));
-            }
-        }
-        Ok(ahead)
+        knowledge.predict(self.kind, motion, origins)
     }
 
     /// Predicts as [`Self::predict`] and compares with the measured speed as far as the drive goes; one per horizon.
@@ -232,70 +229,46 @@ impl DirectModel {
                 .iter()
                 .zip(&measured_mps)
                 .filter_map(|(p, v)| v.map(|v| p - v));
-            let inside = |interval_mps: f64| {
-                mean(
-                    errors
-                        .clone()
-                        .map(|e| if e.abs() <= interval_mps { 100.0 } else { 0.0 }),
-                )
-            };
+            let bounds = ahead.iter().filter_map(|ahead| ahead.interval_mps[k]);
+            let (low_mps, high_mps): (Vec<f64>, Vec<f64>) = bounds.unzip();
+            let inside = low_mps.iter().zip(&high_mps).zip(&measured_mps);
+            let inside = inside.filter_map(|((low, high), v)| v.map(|v| *low <= v && v <= *high));
             HorizonScore {
                 horizon_s: horizon.horizon_s,
-                interval_mps: horizon.interval_mps,
-                rmse_mps: mean(errors.clone().map(|e| e * e)).map(f64::sqrt),
-                inside_pct: horizon.interval_mps.and_then(inside),
+                interval_mps: mean(low_mps.iter().zip(&high_mps).map(|(a, b)| 0.5 * (b - a))),
+                rmse_mps: mean(errors.map(|e| e * e)).map(f64::sqrt),
+                inside_pct: mean(inside.map(|inside| if inside { 100.0 } else { 0.0 })),
                 speed_mps,
+                low_mps,
+                high_mps,
                 measured_mps,
             }
         };
-        Ok(self.horizons.iter().enumerate().map(score).collect())
+        Ok(self.untold.horizons.iter().enumerate().map(score).collect())
     }
 
     fn check(&self) -> Result<(), &'static str> {
         if self.kind.subject() != Subject::SpeedAhead {
             return Err("it is none of the speed ahead");
         }
-        let d = self.predictors.len();
-        let positive = |x: f64| x.is_finite() && x > 0.0;
-        if !positive(self.step_s) || !self.horizons.iter().all(|h| positive(h.horizon_s)) {
+        if !(self.step_s.is_finite() && self.step_s > 0.0) {
             return Err("a time is not positive");
         }
-        let fits = |horizon: &Horizon| {
-            let trees = horizon.trees.as_ref().map(BoostedTrees::predictors);
-            let regression = horizon.regression.as_ref().map(Regression::predictors);
-            regression.is_none_or(|n| n == d)
-                && trees.is_none_or(|n| n == d)
-                && trees.is_some() == self.kind.has_trees()
-                && regression.is_some() == self.kind.has_regression()
+        if !self.untold.channels.is_empty() {
+            return Err("what is to do without channels asks for some");
+        }
+        let horizons = |knowledge: &Knowledge| -> Vec<f64> {
+            let horizons = knowledge.horizons.iter();
+            horizons.map(|horizon| horizon.horizon_s).collect()
         };
-        if !self.horizons.iter().all(fits) {
-            return Err("regressions do not fit the predictors");
-        }
-        if !self
-            .predictors
-            .iter()
-            .all(|predictor| predictor.is_usable())
+        if self
+            .knowledge()
+            .any(|knowledge| horizons(knowledge) != horizons(&self.untold))
         {
-            return Err("a predictor looks at an impossible time");
+            return Err("it looks ahead differently with and without channels");
         }
-        Ok(())
-    }
-}
-
-impl Horizon {
-    /// Mean of what there is: a regression, trees, or both.
-    fn changes(&self, rows: &[f64], d: usize) -> Result<Vec<f64>, Error> {
-        let regression = self
-            .regression
-            .as_ref()
-            .map(|model| model.predict(&Samples::new(rows, d)?))
-            .transpose()?;
-        let trees = self.trees.as_ref().map(|trees| trees.predict(rows));
-        Ok(match (regression, trees) {
-            (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect(),
-            (Some(one), None) | (None, Some(one)) => one,
-            (None, None) => vec![0.0; rows.len() / d],
-        })
+        self.knowledge()
+            .try_for_each(|knowledge| knowledge.check(self.kind))
     }
 }
 

@@ -1,6 +1,5 @@
-use svr::{Kernel, Penalty, Response, Samples, Settings};
+use svr::{Kernel, Penalty, Response, Samples, Settings, Status};
 
-use super::Solved;
 use crate::speed_ahead::FIT_MEMORY_BYTES;
 use crate::{Error, ModelKind};
 
@@ -15,6 +14,9 @@ const RBF_SCALE: f64 = 1.7;
 /// Beside MATLAB's defaults, with which the regression learns medians: those lie too near to "no change".
 const BOX_CONSTRAINT_FACTOR: f64 = 10.0;
 const TUBE_FACTOR: f64 = 8.0;
+
+/// A regression, and how its solver ended where it is one that might not.
+type Solved = (svr::Model, Option<Status>);
 
 impl ModelKind {
     pub(super) fn regressions(

@@ -1,3 +1,4 @@
+use crate::speed_ahead::DriverChannel;
 use crate::{Error, error};
 
 /// What direct predictions are made of.
@@ -12,6 +13,8 @@ pub struct DirectSettings {
     /// Whether the slope ahead is a predictor. Off: where the slope comes from the elevation that was recorded on the same drive,
     /// its errors tell where the drive stood still or went slowly.
     pub slope_ahead: bool,
+    /// What models may be told of the driver beside speed and limits; all.
+    pub channels: Vec<DriverChannel>,
     /// Share of drives that prediction intervals hold; 0.9.
     pub coverage: f64,
 }
@@ -23,6 +26,7 @@ impl Default for DirectSettings {
             max_samples: 16_000,
             sample_step_s: 1.0,
             slope_ahead: false,
+            channels: DriverChannel::ALL.to_vec(),
             coverage: 0.9,
         }
     }

@@ -1,0 +1,53 @@
+//! What the driver does and the car feels, where a log has it.
+
+use drive_log::Channel;
+use serde::{Deserialize, Serialize};
+
+use crate::Motion;
+
+/// A channel that tells more of the next seconds than speed and limits do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriverChannel {
+    /// [`Channel::AcceleratorPedal`].
+    AcceleratorPedal,
+    /// [`Channel::Brake`].
+    Brake,
+    /// [`Channel::MotorTorque`].
+    MotorTorque,
+    /// [`Channel::Accelerometer`].
+    Accelerometer,
+}
+
+/// Less of a drive than this share has no value: it counts as known, and is held over the gaps.
+const MOST_MISSING: f64 = 0.1;
+
+impl DriverChannel {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::AcceleratorPedal,
+        Self::Brake,
+        Self::MotorTorque,
+        Self::Accelerometer,
+    ];
+
+    /// The channel of a log.
+    #[must_use]
+    pub fn channel(self) -> Channel {
+        match self {
+            Self::AcceleratorPedal => Channel::AcceleratorPedal,
+            Self::Brake => Channel::Brake,
+            Self::MotorTorque => Channel::MotorTorque,
+            Self::Accelerometer => Channel::Accelerometer,
+        }
+    }
+
+    /// Whether a drive has it, but for a tenth of its samples.
+    #[must_use]
+    pub fn is_known_in(self, motion: &Motion) -> bool {
+        motion.log().channel(self.channel()).is_some_and(|values| {
+            let missing = values.iter().filter(|value| !value.is_finite()).count();
+            (missing as f64) < MOST_MISSING * values.len() as f64
+        })
+    }
+}

@@ -1,0 +1,205 @@
+//! How far the speed may be from a prediction, moment by moment.
+//!
+//! Trees learn from errors on drives that were held back how far the speed is above the prediction on average, and how far below, in
+//! widths of the interval that is the same at every moment; what they say is stretched until the wanted share of errors lies inside (scaled
+//! residuals in a split conformal prediction; J. Lei, M. G'Sell, A. Rinaldo, R. J. Tibshirani, L. Wasserman, Journal of the American
+//! Statistical Association 113, 2018).
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::boosted_trees::BoostedTrees;
+use crate::Error;
+
+/// Trees of a scale: what is left after them is noise.
+const TREES: usize = 100;
+
+/// Moments and horizons that a scale learns from, at most.
+const MOST_PAIRS: usize = 30_000;
+
+/// No moment is more certain than this share of an average one.
+const LEAST_SHARE: f64 = 0.02;
+
+/// Narrower intervals are none.
+const LEAST_WIDTH_MPS: f64 = 1e-3;
+
+/// Predictions on drives that they were not learnt from.
+#[derive(Debug, Clone, Default)]
+pub(super) struct HeldErrors {
+    /// Predictors of each moment.
+    pub(super) rows: Vec<f64>,
+    /// Predicted change of the speed, per moment and horizon.
+    pub(super) changes_mps: Vec<Vec<f64>>,
+    /// Measured less predicted speed, per moment and horizon.
+    pub(super) errors_mps: Vec<Vec<f64>>,
+}
+
+/// Bounds around predictions, one entry per horizon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Intervals {
+    /// Half width of the interval that is the same at every moment.
+    pub(super) one_width_mps: Vec<f64>,
+    below: Side,
+    above: Side,
+}
+
+/// How far the speed may be on one side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Side {
+    scale: BoostedTrees,
+    least: f64,
+    factors: Vec<f64>,
+}
+
+impl Intervals {
+    /// Learns from errors on several parts of the drives: each part is judged by what the others say. `None` where there are too few.
+    pub(super) fn fit(
+        parts: &[HeldErrors],
+        predictors: usize,
+        coverage: f64,
+    ) -> Result<Option<Self>, Error> {
+        let parts: Vec<&HeldErrors> = parts.iter().filter(|part| !part.errors_mps.is_empty()).collect();
+        let Some(horizons) = parts.first().map(|part| part.errors_mps[0].len()) else {
+            return Ok(None);
+        };
+        let width = |k: usize| {
+            let moments = parts.iter().flat_map(|part| &part.errors_mps);
+            conformal_quantile(moments.map(|errors| errors[k].abs()).collect(), coverage)
+        };
+        let widths: Option<Vec<f64>> = (0..horizons).map(width).collect();
+        let Some(widths) = widths else {
+            return Ok(None);
+        };
+        let task = Task {
+            parts,
+            predictors,
+            one_width_mps: widths.iter().map(|w| w.max(LEAST_WIDTH_MPS)).collect(),
+            coverage: 0.5 * (1.0 + coverage),
+        };
+        let sides: Result<Vec<Option<Side>>, Error> =
+            [-1.0, 1.0].into_par_iter().map(|sign| task.side(sign)).collect();
+        let mut sides = sides?.into_iter().flatten();
+        let both = sides.next().zip(sides.next());
+        Ok(both.map(|(below, above)| Self {
+            one_width_mps: task.one_width_mps,
+            below,
+            above,
+        }))
+    }
+
+    /// Lower and upper bound of the error at a horizon, for rows of `predictors` values and the changes predicted.
+    pub(super) fn bounds_mps(&self, k: usize, rows: &[f64], changes_mps: &[f64]) -> Vec<(f64, f64)> {
+        let d = rows.len() / changes_mps.len().max(1);
+        let width_mps = self.one_width_mps[k];
+        let mut row = vec![0.0; d + 2];
+        let moments = rows.chunks_exact(d).zip(changes_mps);
+        moments
+            .map(|(predictors, change_mps)| {
+                fill(&mut row, predictors, change_mps / width_mps, k);
+                let reach = |side: &Side| width_mps * side.factors[k] * side.reach(&row);
+                (-reach(&self.below), reach(&self.above))
+            })
+            .collect()
+    }
+
+    pub(super) fn is_sound(&self, horizons: usize, predictors: usize) -> bool {
+        let positive = |x: &f64| x.is_finite() && *x >= 0.0;
+        let sound = |values: &[f64]| values.len() == horizons && values.iter().all(positive);
+        let side = |side: &Side| {
+            side.scale.predictors() == predictors + 2 && positive(&side.least) && sound(&side.factors)
+        };
+        sound(&self.one_width_mps)
+            && self.one_width_mps.iter().all(|width| *width > 0.0)
+            && side(&self.below)
+            && side(&self.above)
+    }
+}
+
+/// Predictors of a moment, then the predicted change in widths, then which horizon.
+fn fill(row: &mut [f64], predictors: &[f64], change: f64, k: usize) {
+    let d = predictors.len();
+    row[..d].copy_from_slice(predictors);
+    (row[d], row[d + 1]) = (change, k as f64);
+}
+
+impl Side {
+    fn reach(&self, row: &[f64]) -> f64 {
+        self.scale.answer(row).max(self.least)
+    }
+}
+
+/// What both sides learn from.
+struct Task<'a> {
+    parts: Vec<&'a HeldErrors>,
+    predictors: usize,
+    one_width_mps: Vec<f64>,
+    coverage: f64,
+}
+
+impl Task<'_> {
+    fn side(&self, sign: f64) -> Result<Option<Side>, Error> {
+        let mut side = self.scale(None, sign)?;
+        let mut ratios = vec![Vec::new(); self.one_width_mps.len()];
+        for (number, part) in self.parts.iter().enumerate() {
+            let judge = self.scale(Some(number), sign)?;
+            let mut row = vec![0.0; self.predictors + 2];
+            for (moment, predictors) in part.rows.chunks_exact(self.predictors).enumerate() {
+                for (k, (ratios, width)) in ratios.iter_mut().zip(&self.one_width_mps).enumerate() {
+                    let (change, error) = (part.changes_mps[moment][k], part.errors_mps[moment][k]);
+                    fill(&mut row, predictors, change / width, k);
+                    ratios.push(sign * error / width / judge.reach(&row));
+                }
+            }
+        }
+        let factors = ratios.into_iter().map(|ratios| conformal_quantile(ratios, self.coverage));
+        let factors: Option<Vec<f64>> = factors.map(|factor| factor.map(|f| f.max(0.0))).collect();
+        Ok(factors.map(|factors| {
+            side.factors = factors;
+            side
+        }))
+    }
+
+    /// What all parts say but one. Of a moment every horizon in turn is taken, as long as there are not too many.
+    fn scale(&self, without: Option<usize>, sign: f64) -> Result<Side, Error> {
+        let horizons = self.one_width_mps.len();
+        let parts = self.parts.iter().enumerate();
+        let parts = parts.filter(|(number, _)| Some(*number) != without);
+        let total: usize = parts.clone().map(|(_, part)| part.errors_mps.len() * horizons).sum();
+        let every = total.div_ceil(MOST_PAIRS).max(1);
+        let (mut rows, mut reach) = (Vec::new(), Vec::new());
+        let mut row = vec![0.0; self.predictors + 2];
+        let mut pair = 0;
+        for (_, part) in parts {
+            for (moment, predictors) in part.rows.chunks_exact(self.predictors).enumerate() {
+                for (k, width) in self.one_width_mps.iter().enumerate() {
+                    pair += 1;
+                    // Skewed, so that all horizons come in turn whatever their number.
+                    if (pair + moment) % every != 0 {
+                        continue;
+                    }
+                    fill(&mut row, predictors, part.changes_mps[moment][k] / width, k);
+                    rows.extend_from_slice(&row);
+                    reach.push((sign * part.errors_mps[moment][k] / width).max(0.0));
+                }
+            }
+        }
+        let mean = reach.iter().sum::<f64>() / reach.len().max(1) as f64;
+        Ok(Side {
+            scale: BoostedTrees::fit(&rows, self.predictors + 2, &reach, TREES)?,
+            least: (LEAST_SHARE * mean).max(f64::MIN_POSITIVE),
+            factors: Vec::new(),
+        })
+    }
+}
+
+/// The value that a new one of the same kind is below with this probability; `None` where there are too few.
+fn conformal_quantile(mut values: Vec<f64>, coverage: f64) -> Option<f64> {
+    let rank = (coverage * (values.len() + 1) as f64).ceil() as usize;
+    if rank > values.len() {
+        return None;
+    }
+    let (_, quantile, _) = values.select_nth_unstable_by(rank - 1, f64::total_cmp);
+    Some(*quantile)
+}
