@@ -140,8 +140,10 @@ pub fn evaluate_trajectory(
             outcomes.by_ref().take(settings.folds).collect();
         match folds {
             Ok(folds) => {
-                let (untold, told): (Vec<_>, Vec<_>) =
-                    folds.into_iter().map(|fold| (fold.untold, fold.told)).unzip();
+                let (untold, told): (Vec<_>, Vec<_>) = folds
+                    .into_iter()
+                    .map(|fold| (fold.untold, fold.told))
+                    .unzip();
                 evaluation.add(contestant, false, untold, units);
                 let told: Vec<FoldOutcome> = told.into_iter().flatten().collect();
                 if !told.is_empty() {

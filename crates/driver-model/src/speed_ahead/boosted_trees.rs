@@ -16,6 +16,10 @@ pub(super) struct BoostedTrees {
     trees: Vec<Vec<Node>>,
 }
 
+/// A leaf holds this many samples, and this share of all of them.
+const LEAST_LEAF: f64 = 40.0;
+const MOST_LEAVES: f64 = 400.0;
+
 /// As a file has them.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -76,13 +80,14 @@ impl BoostedTrees {
         response: &[f64],
         trees: usize,
     ) -> Result<Self, Error> {
+        let leaf = (response.len() as f64 / MOST_LEAVES).max(LEAST_LEAF);
         let mut booster = GradientBooster::default()
             .set_objective_type(ObjectiveType::SquaredLoss)
             .set_iterations(trees)
             .set_learning_rate(0.05)
             .set_max_leaves(15)
             .set_max_depth(12)
-            .set_min_leaf_weight(40.0)
+            .set_min_leaf_weight(leaf as f32)
             .set_l2(10.0)
             .set_initialize_base_score(true)
             .set_parallel(false);

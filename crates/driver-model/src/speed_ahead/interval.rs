@@ -60,7 +60,10 @@ impl Intervals {
         predictors: usize,
         coverage: f64,
     ) -> Result<Option<Self>, Error> {
-        let parts: Vec<&HeldErrors> = parts.iter().filter(|part| !part.errors_mps.is_empty()).collect();
+        let parts: Vec<&HeldErrors> = parts
+            .iter()
+            .filter(|part| !part.errors_mps.is_empty())
+            .collect();
         let Some(horizons) = parts.first().map(|part| part.errors_mps[0].len()) else {
             return Ok(None);
         };
@@ -78,8 +81,10 @@ impl Intervals {
             one_width_mps: widths.iter().map(|w| w.max(LEAST_WIDTH_MPS)).collect(),
             coverage: 0.5 * (1.0 + coverage),
         };
-        let sides: Result<Vec<Option<Side>>, Error> =
-            [-1.0, 1.0].into_par_iter().map(|sign| task.side(sign)).collect();
+        let sides: Result<Vec<Option<Side>>, Error> = [-1.0, 1.0]
+            .into_par_iter()
+            .map(|sign| task.side(sign))
+            .collect();
         let mut sides = sides?.into_iter().flatten();
         let both = sides.next().zip(sides.next());
         Ok(both.map(|(below, above)| Self {
@@ -90,7 +95,12 @@ impl Intervals {
     }
 
     /// Lower and upper bound of the error at a horizon, for rows of `predictors` values and the changes predicted.
-    pub(super) fn bounds_mps(&self, k: usize, rows: &[f64], changes_mps: &[f64]) -> Vec<(f64, f64)> {
+    pub(super) fn bounds_mps(
+        &self,
+        k: usize,
+        rows: &[f64],
+        changes_mps: &[f64],
+    ) -> Vec<(f64, f64)> {
         let d = rows.len() / changes_mps.len().max(1);
         let width_mps = self.one_width_mps[k];
         let mut row = vec![0.0; d + 2];
@@ -108,7 +118,9 @@ impl Intervals {
         let positive = |x: &f64| x.is_finite() && *x >= 0.0;
         let sound = |values: &[f64]| values.len() == horizons && values.iter().all(positive);
         let side = |side: &Side| {
-            side.scale.predictors() == predictors + 2 && positive(&side.least) && sound(&side.factors)
+            side.scale.predictors() == predictors + 2
+                && positive(&side.least)
+                && sound(&side.factors)
         };
         sound(&self.one_width_mps)
             && self.one_width_mps.iter().all(|width| *width > 0.0)
@@ -153,7 +165,9 @@ impl Task<'_> {
                 }
             }
         }
-        let factors = ratios.into_iter().map(|ratios| conformal_quantile(ratios, self.coverage));
+        let factors = ratios
+            .into_iter()
+            .map(|ratios| conformal_quantile(ratios, self.coverage));
         let factors: Option<Vec<f64>> = factors.map(|factor| factor.map(|f| f.max(0.0))).collect();
         Ok(factors.map(|factors| {
             side.factors = factors;
@@ -166,7 +180,10 @@ impl Task<'_> {
         let horizons = self.one_width_mps.len();
         let parts = self.parts.iter().enumerate();
         let parts = parts.filter(|(number, _)| Some(*number) != without);
-        let total: usize = parts.clone().map(|(_, part)| part.errors_mps.len() * horizons).sum();
+        let total: usize = parts
+            .clone()
+            .map(|(_, part)| part.errors_mps.len() * horizons)
+            .sum();
         let every = total.div_ceil(MOST_PAIRS).max(1);
         let (mut rows, mut reach) = (Vec::new(), Vec::new());
         let mut row = vec![0.0; self.predictors + 2];

@@ -77,7 +77,8 @@ impl Knowledge {
             for (i, (ahead, here)) in ahead.iter_mut().zip(here()).enumerate() {
                 let speed_mps = here + changes[i];
                 let bounds = bounds.as_ref().map(|bounds| bounds[i]);
-                let interval = |(low, high): (f64, f64)| ((speed_mps + low).max(0.0), speed_mps + high);
+                let interval =
+                    |(low, high): (f64, f64)| ((speed_mps + low).max(0.0), speed_mps + high);
                 ahead.speed_mps.push(speed_mps);
                 ahead.interval_mps.push(bounds.map(interval));
             }
