@@ -191,7 +191,7 @@ impl Knowledge {
         if kind.has_trees() {
             let grow = |(horizon, changes): (&mut Horizon, &Vec<f64>)| {
                 horizon.trees = Some(BoostedTrees::fit(&training.rows, d, changes, TREES)?);
-                Ok(())
+                Ok::<(), Error>(())
             };
             let horizons = self.horizons.par_iter_mut();
             horizons.zip(&training.changes).try_for_each(grow)?;
