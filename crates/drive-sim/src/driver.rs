@@ -2,7 +2,7 @@ use driver_model::following::Idm;
 use driver_model::phase_model::{
     Constant, Exponential, GroupConstant, Inverse, Profile, RiseTime, SpeedGroup,
 };
-use driver_model::{ModelKind, Phase, PhaseModel};
+use driver_model::{DriverInput, ModelKind, Phase, PhaseModel};
 use serde::Serialize;
 
 use crate::Error;
@@ -153,6 +153,7 @@ impl SimulatedDriver {
                 step_s,
                 samples: steps as usize + 1,
                 onset: None,
+                input: DriverInput::default(),
             })
         };
         // A brisk phase is the same curve on a faster clock.
@@ -161,6 +162,7 @@ impl SimulatedDriver {
             PhaseModel::Profile(_)
             | PhaseModel::ProfileConditioned(_)
             | PhaseModel::ProfileOnset(_)
+            | PhaseModel::ProfilePedal(_)
             | PhaseModel::TransitionPoint(_)
             | PhaseModel::Straight
             | PhaseModel::Smoothstep => predict(

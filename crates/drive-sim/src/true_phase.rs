@@ -1,4 +1,4 @@
-use driver_model::Phase;
+use driver_model::{DriverInput, Phase};
 use serde::Serialize;
 
 /// Which part of the driver decides.
@@ -65,6 +65,7 @@ impl TruePhase {
             step_s,
             samples: self.end - self.start,
             onset: None,
+            input: DriverInput::default(),
         }
     }
 }

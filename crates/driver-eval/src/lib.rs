@@ -38,6 +38,7 @@ pub mod cruise;
 mod error;
 pub mod following;
 mod hold_out;
+pub mod model_words;
 pub mod phase;
 pub mod portrait;
 mod predictions;

@@ -40,6 +40,8 @@ pub enum ModelKind {
     ProfileConditioned,
     /// Of phases: the same, also on how the phase is entered.
     ProfileOnset,
+    /// Of phases: the same, also on what the driver does as it begins.
+    ProfilePedal,
     /// Baseline of phases: mean acceleration.
     Constant,
     /// Baseline of phases: straight line from start to end speed.
@@ -119,6 +121,7 @@ impl ModelKind {
             | K::Profile
             | K::ProfileConditioned
             | K::ProfileOnset
+            | K::ProfilePedal
             | K::Constant
             | K::Straight
             | K::Smoothstep => Subject::Phases,
@@ -178,6 +181,7 @@ impl ModelKind {
             Self::Constant => "v0, T",
             _ if self.is_function_of_speed() => "v0, T",
             Self::ProfileOnset => "v0, v_end, T, onset",
+            Self::ProfilePedal => "v0, v_end, T, onset, pedal",
             _ if self.subject() == Subject::Phases => "v0, v_end, T",
             _ => "",
         }
@@ -194,7 +198,7 @@ mod tests {
             assert_eq!(kind.name().parse(), Ok(kind));
             assert_eq!(serde_json::to_value(kind).ok(), Some(kind.name().into()));
         }
-        assert_eq!(ModelKind::of(Subject::Phases).count(), 12);
+        assert_eq!(ModelKind::of(Subject::Phases).count(), 13);
         assert_eq!(ModelKind::of(Subject::SpeedAhead).count(), 11);
     }
 }

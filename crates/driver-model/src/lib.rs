@@ -54,6 +54,8 @@
 mod accel_point;
 pub mod cruise;
 mod drive_behaviour;
+mod driver_channel;
+mod driver_input;
 mod driver_model;
 pub mod energy;
 pub mod error;
@@ -81,6 +83,8 @@ pub mod trip_driver;
 
 pub use accel_point::AccelPoint;
 pub use drive_behaviour::{DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
+pub use driver_channel::DriverChannel;
+pub use driver_input::DriverInput;
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
 pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, without};

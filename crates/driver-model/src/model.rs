@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::phase_model::{
-    ConditionedProfile, Conditioning, Constant, Exponential, Inverse, PredictiveBand, Profile,
-    RiseTime, TransitionPoint, smoothstep, straight,
+    ConditionedProfile, Conditioning, Constant, Exponential, Inverse, PedalProfile, PredictiveBand,
+    Profile, RiseTime, TransitionPoint, smoothstep, straight,
 };
 use crate::{AccelPoint, Error, ModelKind, Phase, Subject, TrainingSet};
 
@@ -28,6 +28,8 @@ pub enum PhaseModel {
     ProfileConditioned(ConditionedProfile),
     /// See [`ConditionedProfile`], over six features.
     ProfileOnset(ConditionedProfile),
+    /// See [`PedalProfile`].
+    ProfilePedal(PedalProfile),
     /// See [`Constant`].
     Constant(Constant),
     /// See [`straight`].
@@ -64,6 +66,7 @@ impl PhaseModel {
             ModelKind::ProfileOnset => {
                 Self::ProfileOnset(ConditionedProfile::fit(Conditioning::Onset, training)?)
             }
+            ModelKind::ProfilePedal => Self::ProfilePedal(PedalProfile::fit(training)?),
             ModelKind::Constant => Self::Constant(Constant::fit(training)?),
             ModelKind::Straight => Self::Straight,
             ModelKind::Smoothstep => Self::Smoothstep,
@@ -84,6 +87,7 @@ impl PhaseModel {
             Self::Profile(_) => ModelKind::Profile,
             Self::ProfileConditioned(_) => ModelKind::ProfileConditioned,
             Self::ProfileOnset(_) => ModelKind::ProfileOnset,
+            Self::ProfilePedal(_) => ModelKind::ProfilePedal,
             Self::Constant(_) => ModelKind::Constant,
             Self::Straight => ModelKind::Straight,
             Self::Smoothstep => ModelKind::Smoothstep,
@@ -118,6 +122,7 @@ impl PhaseModel {
             }
             Self::Profile(m) => over_share(outline, |share| m.speed_mps(v0, v_end, share)),
             Self::ProfileConditioned(m) | Self::ProfileOnset(m) => m.speeds_mps(outline),
+            Self::ProfilePedal(m) => m.for_phase(outline).speeds_mps(outline),
             Self::Constant(m) => over_time(outline, |t| v0 + sign * m.accel_mps2 * t),
             Self::Straight => over_share(outline, |share| straight(v0, v_end, share)),
             Self::Smoothstep => over_share(outline, |share| smoothstep(v0, v_end, share)),
@@ -133,11 +138,13 @@ impl PhaseModel {
     pub fn bands(&self, outline: &Phase) -> Vec<PredictiveBand> {
         match self {
             Self::ProfileConditioned(m) | Self::ProfileOnset(m) => m.bands(outline),
+            Self::ProfilePedal(m) => m.for_phase(outline).bands(outline),
             _ => Vec::new(),
         }
     }
 
-    /// Whether predicting this phase takes a parameter from another speed group, for want of training phases.
+    /// Whether predicting this phase takes a parameter from another speed group, for want of training phases, or does without what its log
+    /// does not say.
     #[must_use]
     pub fn falls_back(&self, outline: &Phase) -> bool {
         match self {
@@ -145,6 +152,7 @@ impl PhaseModel {
                 !m.constant_for(outline.rising().group()).1
             }
             Self::TransitionPoint(m) => !m.response_for(outline.rising().group()).1,
+            Self::ProfilePedal(m) => m.falls_back(outline),
             _ => false,
         }
     }
@@ -174,6 +182,7 @@ impl PhaseModel {
             Self::Profile(m) => m.check(),
             Self::ProfileConditioned(m) => m.check(Conditioning::Outline),
             Self::ProfileOnset(m) => m.check(Conditioning::Onset),
+            Self::ProfilePedal(m) => m.check(),
             Self::Constant(m) => m.check(),
             Self::Straight | Self::Smoothstep => Ok(()),
         }

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use crate::{Motion, PhaseKind, Span, SpeedGroup};
+use crate::{DriverInput, Motion, PhaseKind, Span, SpeedGroup};
 
 /// What a model may be told of a phase before it predicts it. Each model takes only what it declares to know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -17,6 +17,8 @@ pub struct Phase {
     pub samples: usize,
     /// How the phase is entered; `None` at the beginning of a log.
     pub onset: Option<Onset>,
+    /// What the driver does as it begins.
+    pub input: DriverInput,
 }
 
 /// The driver's motion as a phase begins: backward differences of the smoothed speed that end with its first sample, whose speed
@@ -61,6 +63,7 @@ impl PhaseSpeeds {
             step_s: STEP_S,
             samples: ((duration_s / STEP_S).round() as usize).max(1) + 1,
             onset: None,
+            input: DriverInput::default(),
         }
     }
 }
@@ -97,7 +100,7 @@ impl Phase {
         self.gain_mps() < 0.0
     }
 
-    /// The phase with rising speed: braking in reversed time (thesis 3.3.1). An onset has no counterpart there.
+    /// The phase with rising speed: braking in reversed time (thesis 3.3.1). Onset and input have no counterpart there.
     #[must_use]
     pub fn rising(&self) -> Self {
         if !self.is_braking() {
@@ -107,6 +110,7 @@ impl Phase {
             start_speed_mps: self.end_speed_mps,
             end_speed_mps: self.start_speed_mps,
             onset: None,
+            input: DriverInput::default(),
             ..*self
         }
     }
@@ -126,6 +130,7 @@ pub struct PhaseCurve {
     speed_mps: Vec<f64>,
     slope_rad: Option<Vec<f64>>,
     onset: Option<Onset>,
+    input: DriverInput,
 }
 
 impl PhaseCurve {
@@ -147,6 +152,7 @@ impl PhaseCurve {
                 .and_then(|s| s.get(range))
                 .map(<[f64]>::to_vec),
             onset: Onset::before(phase.start, log.speed_mps(), log.step_s()),
+            input: DriverInput::at(motion, phase.start),
             speed_mps,
         })
     }
@@ -188,6 +194,7 @@ impl PhaseCurve {
             step_s: self.step_s,
             samples: self.speed_mps.len(),
             onset: self.onset,
+            input: self.input,
         }
     }
 

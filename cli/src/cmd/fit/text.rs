@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use driver_model::{Behaviour, ModelFile};
 
 use super::args::FitArgs;
-use crate::cmd::model::words;
 use crate::words::plural;
+use driver_eval::model_words::model_words;
 
 pub(super) fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> String {
     let training = &file.training;
@@ -46,7 +46,7 @@ pub(super) fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> 
         text,
         ", written to {}\n{}",
         args.output.display(),
-        words(file)
+        model_words(&file.model)
     );
     if let Some(sum) = residuals {
         let _ = writeln!(

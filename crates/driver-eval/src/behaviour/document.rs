@@ -222,6 +222,10 @@ impl<'a> FoldEntry<'a> {
     fn new(fold: &'a Fold, units: &'a [String]) -> Self {
         let notes = match fold.fallbacks {
             0 => Vec::new(),
+            n if matches!(fold.model, PhaseModel::ProfilePedal(_)) => vec![format!(
+                "{} of logs that do not say what the driver does: predicted as by profile-onset",
+                plural(n, "phase")
+            )],
             n => vec![format!(
                 "{} in speed groups without training phases: nearest group used",
                 plural(n, "phase")
@@ -229,7 +233,9 @@ impl<'a> FoldEntry<'a> {
         };
         let is_long = matches!(
             fold.model,
-            PhaseModel::ProfileConditioned(_) | PhaseModel::ProfileOnset(_)
+            PhaseModel::ProfileConditioned(_)
+                | PhaseModel::ProfileOnset(_)
+                | PhaseModel::ProfilePedal(_)
         );
         Self {
             held_out: &units[fold.unit],

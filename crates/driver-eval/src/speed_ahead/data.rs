@@ -1,5 +1,5 @@
-use driver_model::speed_ahead::{DirectSettings, DriverChannel};
-use driver_model::{LeftOut, Motion};
+use driver_model::speed_ahead::DirectSettings;
+use driver_model::{DriverChannel, LeftOut, Motion};
 
 use crate::{Error, HoldOut};
 

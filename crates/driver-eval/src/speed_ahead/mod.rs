@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use driver_model::error::at_least;
 use driver_model::speed_ahead::{
-    DirectModel, DirectSettings, DriverChannel, FittedTrial, Trial, TrialSettings, origins,
+    DirectModel, DirectSettings, FittedTrial, Trial, TrialSettings, origins,
 };
-use driver_model::{ModelKind, Motion, Subject};
+use driver_model::{DriverChannel, ModelKind, Motion, Subject};
 use ev_energy::Vehicle;
 use rayon::prelude::*;
 

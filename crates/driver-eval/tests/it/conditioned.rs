@@ -4,8 +4,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{Evaluation, EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{ConditionedProfile, Conditioning};
 use driver_model::{
-    DriveBehaviour, DriverModel, Error, ModelFile, ModelKind, Onset, Phase, PhaseCurve, PhaseKind,
-    PhaseModel, PhaseSettings, TrainingRecord,
+    DriveBehaviour, DriverInput, DriverModel, Error, ModelFile, ModelKind, Onset, Phase,
+    PhaseCurve, PhaseKind, PhaseModel, PhaseSettings, TrainingRecord,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -147,7 +147,7 @@ fn fitted(conditioning: Conditioning) -> PhaseModel {
     let model = ConditionedProfile::fit(conditioning, &plain_set(&curves)).unwrap();
     match conditioning {
         Conditioning::Outline => PhaseModel::ProfileConditioned(model),
-        Conditioning::Onset => PhaseModel::ProfileOnset(model),
+        Conditioning::Onset | Conditioning::Input => PhaseModel::ProfileOnset(model),
     }
 }
 
@@ -327,7 +327,7 @@ proptest! {
         start in hostile(), end in hostile(), samples in 1..300usize,
         step in prop_oneof![Just(1e-6), Just(0.1), Just(1e6)], onset in hostile_onset(),
     ) {
-        let outline = Phase { start_speed_mps: start, end_speed_mps: end, step_s: step, samples, onset };
+        let outline = Phase { start_speed_mps: start, end_speed_mps: end, step_s: step, samples, onset, input: DriverInput::default() };
         thread_local! {
             static MODELS: [PhaseModel; 2] = [fitted(Conditioning::Outline), fitted(Conditioning::Onset)];
         }

@@ -14,7 +14,7 @@ use crate::{Error, Phase, TrainingSet};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionedProfile {
-    /// Over 3 features, or 6 with the onset.
+    /// Over 3 features, 6 with the onset, or 12 with what the driver does.
     pub basis: GaussianBasis,
     /// Mean shape at [`ConditionedProfile::KNOTS`] equal steps of `t/T`.
     pub mean_shape: Vec<f64>,
@@ -62,6 +62,8 @@ pub enum Conditioning {
     Outline,
     /// How the phase is entered.
     Onset,
+    /// The same, and what the driver does as it begins.
+    Input,
 }
 
 const LEVELS_PCT: [f64; 4] = [50.0, 80.0, 90.0, 95.0];
@@ -85,7 +87,7 @@ impl ConditionedProfile {
                 model,
                 found: phases.len(),
                 needed: BLOCKS,
-                unit: "phases of its kind without a leader",
+                unit: conditioning.unit(),
             });
         }
         let features: Vec<Features> = phases
@@ -224,10 +226,20 @@ impl ConditionedProfile {
 }
 
 impl Conditioning {
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Outline | Self::Onset => "phases of its kind without a leader",
+            Self::Input => {
+                "phases of its kind without a leader whose log says what the driver does"
+            }
+        }
+    }
+
     fn dimensions(self) -> usize {
         match self {
             Self::Outline => 3,
-            Self::Onset => MAX_FEATURES,
+            Self::Onset => 6,
+            Self::Input => MAX_FEATURES,
         }
     }
 
@@ -235,11 +247,12 @@ impl Conditioning {
         match self {
             Self::Outline => "profile-conditioned",
             Self::Onset => "profile-onset",
+            Self::Input => "profile-pedal",
         }
     }
 }
 
-/// Start speed, duration, pace, and the onset in the direction of the phase.
+/// Start speed, duration, pace, the onset in the direction of the phase, and what the driver does.
 fn features(outline: &Phase) -> Features {
     let gain_mps = outline.gain_mps();
     let duration_s = outline.duration_s();
@@ -248,6 +261,8 @@ fn features(outline: &Phase) -> Features {
         [o.accel_mps2, o.jerk_mps3, o.previous_jerk_mps3].map(|value| sign * value)
     });
     let [accel, jerk, previous] = onset;
+    let input = outline.input;
+    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let pace = (gain_mps.abs() / duration_s).ln();
     [
         outline.start_speed_mps,
@@ -256,6 +271,12 @@ fn features(outline: &Phase) -> Features {
         accel,
         jerk,
         previous,
+        known(input.accelerator_pedal_pct),
+        known(input.accelerator_pedal_change_pct),
+        known(input.accelerator_pedal_slow_change_pct),
+        known(input.brake_pct),
+        known(input.motor_torque_nm),
+        known(input.accelerometer_mps2),
     ]
 }
 

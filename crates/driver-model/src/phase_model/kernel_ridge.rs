@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
 
 /// Most features that a basis takes.
-pub(super) const MAX_FEATURES: usize = 6;
+pub(super) const MAX_FEATURES: usize = 12;
 
 /// Features of a phase; NaN where unknown, which counts as the mean.
 pub(super) type Features = [f64; MAX_FEATURES];
@@ -224,7 +224,9 @@ mod tests {
         (0..n)
             .map(|i| {
                 let x = i as f64 / n as f64;
-                [(7.0 * x).sin(), (11.0 * x).cos(), x, f64::NAN, 0.0, 0.0]
+                let mut features = [0.0; MAX_FEATURES];
+                features[..4].copy_from_slice(&[(7.0 * x).sin(), (11.0 * x).cos(), x, f64::NAN]);
+                features
             })
             .collect()
     }

@@ -8,6 +8,7 @@ mod conditioned;
 mod exponential;
 mod inverse;
 mod kernel_ridge;
+mod pedal;
 mod profile;
 mod rise_time;
 mod step_response;
@@ -18,6 +19,7 @@ pub use conditioned::{BandLevel, ConditionedProfile, Conditioning, PredictiveBan
 pub use exponential::Exponential;
 pub use inverse::Inverse;
 pub use kernel_ridge::GaussianBasis;
+pub use pedal::PedalProfile;
 pub use profile::Profile;
 pub use rise_time::{GroupConstant, RiseTime};
 pub use step_response::{StepCharacteristics, StepResponse};

@@ -2,7 +2,6 @@
 
 mod boosted_trees;
 mod direct;
-mod driver_channel;
 mod interval;
 mod kind;
 mod predictors;
@@ -10,7 +9,6 @@ mod selection;
 mod trial;
 
 pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead, origins};
-pub use driver_channel::DriverChannel;
 pub use trial::{FittedTrial, Trial, TrialSettings};
 
 /// Memory of the kernel rows of one fit; as many fits run at once as there are threads.

@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::DriverChannel;
-use crate::Motion;
 use crate::motion::held;
+use crate::{DriverChannel, Motion};
 
 /// One predictor. Speeds before the first sample count as the first speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

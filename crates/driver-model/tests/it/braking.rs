@@ -45,9 +45,10 @@ proptest! {
             step_s: 0.1,
             samples,
             onset: Some(Onset { accel_mps2: accel, jerk_mps3: 2.0 * accel, previous_jerk_mps3: 0.0 }),
+            input: driver_model::DriverInput::default(),
         };
         for kind in ModelKind::of(Subject::Phases) {
-            if kind == ModelKind::TransitionPoint {
+            if matches!(kind, ModelKind::TransitionPoint | ModelKind::ProfilePedal) {
                 continue;
             }
             let model = PhaseModel::fit(kind, &training).unwrap();
@@ -101,6 +102,7 @@ fn braking_past_standstill_stands() {
         step_s: 0.1,
         samples: 600,
         onset: None,
+        input: driver_model::DriverInput::default(),
     };
     let curves = brakings();
     let training = training(&curves);

@@ -124,6 +124,7 @@ fn outline(start_kmh: f64, end_kmh: f64, duration_s: f64) -> Phase {
         step_s: 0.1,
         samples: (duration_s / 0.1).round() as usize + 1,
         onset: None,
+        input: driver_model::DriverInput::default(),
     }
 }
 

@@ -13,6 +13,7 @@ mod closed_forms;
 mod energy;
 mod fitting;
 mod model_file;
+mod pedal;
 mod phases;
 mod reference_vectors;
 #[path = "../../../../fixtures/shared.rs"]

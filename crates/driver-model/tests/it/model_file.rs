@@ -161,6 +161,7 @@ proptest! {
                 step_s: 0.1,
                 samples: 60,
                 onset: None,
+                input: driver_model::DriverInput::default(),
             };
             prop_assert_eq!(model.predict(&outline).len(), 60);
         }

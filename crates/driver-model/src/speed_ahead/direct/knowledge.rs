@@ -2,11 +2,10 @@ use serde::{Deserialize, Serialize};
 use svr::{Samples, Status};
 
 use super::{SpeedAhead, accel_mps2};
-use crate::speed_ahead::DriverChannel;
 use crate::speed_ahead::boosted_trees::BoostedTrees;
 use crate::speed_ahead::interval::Intervals;
 use crate::speed_ahead::predictors::{Predictor, rows};
-use crate::{Error, ModelKind, Motion};
+use crate::{DriverChannel, Error, ModelKind, Motion};
 
 /// What one set of predictors has taught.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,11 +3,10 @@ use svr::{Response, Samples};
 
 use super::knowledge::{Horizon, Knowledge};
 use super::{DirectModel, DirectSettings, origins};
-use crate::speed_ahead::DriverChannel;
 use crate::speed_ahead::boosted_trees::BoostedTrees;
 use crate::speed_ahead::interval::{HeldErrors, Intervals};
 use crate::speed_ahead::predictors::{Predictor, predictors, rows};
-use crate::{Error, ModelKind, Motion, Subject};
+use crate::{DriverChannel, Error, ModelKind, Motion, Subject};
 
 /// Fewer samples teach nothing.
 const LEAST_SAMPLES: usize = 50;

@@ -10,9 +10,8 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use svr::Status;
 
-use super::DriverChannel;
 use crate::statistics::mean;
-use crate::{Error, ModelKind, Motion, Subject};
+use crate::{DriverChannel, Error, ModelKind, Motion, Subject};
 use knowledge::{Horizon, Knowledge};
 pub use settings::DirectSettings;
 

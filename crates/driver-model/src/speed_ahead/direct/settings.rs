@@ -1,5 +1,4 @@
-use crate::speed_ahead::DriverChannel;
-use crate::{Error, error};
+use crate::{DriverChannel, Error, error};
 
 /// What direct predictions are made of.
 #[derive(Debug, Clone, PartialEq)]

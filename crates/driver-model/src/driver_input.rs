@@ -1,0 +1,61 @@
+use serde::Serialize;
+
+use crate::{DriverChannel, Motion};
+
+/// What the driver does at the first sample of a phase, and what the car feels there; `None` where the log does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct DriverInput {
+    /// How far the accelerator pedal is down.
+    pub accelerator_pedal_pct: Option<f64>,
+    /// How much further than 0.2 s before.
+    pub accelerator_pedal_change_pct: Option<f64>,
+    /// How much further than 1 s before.
+    pub accelerator_pedal_slow_change_pct: Option<f64>,
+    /// How much the driver brakes.
+    pub brake_pct: Option<f64>,
+    /// At the motor shaft.
+    pub motor_torque_nm: Option<f64>,
+    /// Along the car.
+    pub accelerometer_mps2: Option<f64>,
+}
+
+const CHANGE_S: f64 = 0.2;
+const SLOW_CHANGE_S: f64 = 1.0;
+
+impl DriverInput {
+    pub(crate) fn at(motion: &Motion, sample: usize) -> Self {
+        let before = |of: DriverChannel, lag: usize| {
+            let value = *motion
+                .log()
+                .channel(of.channel())?
+                .get(sample.checked_sub(lag)?)?;
+            value.is_finite().then_some(value)
+        };
+        let now = |of| before(of, 0);
+        let pedal_pct = now(DriverChannel::AcceleratorPedal);
+        let change_pct = |lag_s| {
+            let lag = motion.samples_in(lag_s);
+            Some(pedal_pct? - before(DriverChannel::AcceleratorPedal, lag)?)
+        };
+        Self {
+            accelerator_pedal_pct: pedal_pct,
+            accelerator_pedal_change_pct: change_pct(CHANGE_S),
+            accelerator_pedal_slow_change_pct: change_pct(SLOW_CHANGE_S),
+            brake_pct: now(DriverChannel::Brake),
+            motor_torque_nm: now(DriverChannel::MotorTorque),
+            accelerometer_mps2: now(DriverChannel::Accelerometer),
+        }
+    }
+
+    /// Whether this channel is among what is known.
+    #[must_use]
+    pub fn knows(&self, channel: DriverChannel) -> bool {
+        let value = match channel {
+            DriverChannel::AcceleratorPedal => self.accelerator_pedal_pct,
+            DriverChannel::Brake => self.brake_pct,
+            DriverChannel::MotorTorque => self.motor_torque_nm,
+            DriverChannel::Accelerometer => self.accelerometer_mps2,
+        };
+        value.is_some()
+    }
+}
