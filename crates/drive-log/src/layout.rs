@@ -37,7 +37,7 @@ enum Kind {
 
 /// Name, text, and headers besides time and speed by which a file is recognised: those of the
 /// Twizy do not say the unit of the speed, so that another file must not be taken for one.
-const DESCRIBED: [(&str, &str, &[&str]); 4] = [
+const DESCRIBED: [(&str, &str, &[&str]); 5] = [
     ("bmw-i3", include_str!("layouts/bmw-i3.toml"), &[]),
     (
         "rsk-twizy",
@@ -45,6 +45,11 @@ const DESCRIBED: [(&str, &str, &[&str]); 4] = [
         &["Soc", "Mode", "GpsSpeed", "WindSpeedAv", "SpeedLimit"],
     ),
     ("igdir", include_str!("layouts/igdir.toml"), &[]),
+    (
+        "nds-br",
+        include_str!("layouts/nds-br.toml"),
+        &["LIMITE_VEL"],
+    ),
     ("cycles", include_str!("layouts/cycles.toml"), &[]),
 ];
 
@@ -58,14 +63,16 @@ impl Layout {
     /// - `rsk-twizy`: Renault Twizy trips with the date and the clock as text.
     /// - `openacc`: platoons of the JRC OpenACC campaigns, a log per car.
     /// - `igdir`: time in s, speed in km/h and acceleration without a header.
+    /// - `nds-br`: Brazilian Naturalistic Driving Study, trips by number in one file, with speed limits.
     /// - `cycles`: driving cycles, either `cycSecs,cycMps,cycGrade` or the European table in km/h
     ///   with a log per column.
-    pub const BUILT_IN: [&'static str; 6] = [
+    pub const BUILT_IN: [&'static str; 7] = [
         "canonical",
         "bmw-i3",
         "rsk-twizy",
         "openacc",
         "igdir",
+        "nds-br",
         "cycles",
     ];
 
