@@ -25,15 +25,19 @@
 mod constant_time_gap;
 mod fit;
 mod idm;
+mod objective;
+mod polish;
 mod simulation;
 mod stretch;
 
 pub use constant_time_gap::ConstantTimeGap;
 pub use fit::FollowingFit;
 pub use idm::Idm;
+pub use objective::FollowingObjective;
 pub use simulation::{FollowingErrors, SimulatedFollowing};
 pub use stretch::{FollowingSettings, FollowingStretch, following_stretches};
 
+use ev_energy::calibration::Bounds;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, ModelKind, Subject};
@@ -49,6 +53,24 @@ struct Parameter {
     name: &'static str,
     lower: f64,
     upper: f64,
+}
+
+impl Parameter {
+    /// Where it is sought: by its logarithm.
+    fn place(&self, value: f64) -> f64 {
+        value.ln()
+    }
+
+    fn value(&self, place: f64) -> f64 {
+        place.exp().clamp(self.lower, self.upper)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            lower: self.place(self.lower),
+            upper: self.place(self.upper),
+        }
+    }
 }
 
 const fn parameter(name: &'static str, lower: f64, upper: f64) -> Parameter {
@@ -115,6 +137,22 @@ impl Family {
             ModelKind::ConstantTimeGap => Ok(&CONSTANT_TIME_GAP),
             _ => Err(Error::not_of(Subject::Following, kind)),
         }
+    }
+
+    /// Free parameters of values: without bounds, for methods that know none.
+    fn free(&self, values: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(values);
+        named
+            .map(|(p, value)| p.bounds().free(p.place(*value)))
+            .collect()
+    }
+
+    /// Values of free parameters.
+    fn values(&self, free: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(free);
+        named
+            .map(|(p, free)| p.value(p.bounds().value(*free)))
+            .collect()
     }
 }
 
