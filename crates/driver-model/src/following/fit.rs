@@ -58,15 +58,7 @@ impl FollowingModel {
     pub fn fit(kind: ModelKind, stretches: &[&FollowingStretch]) -> Result<FollowingFit, Error> {
         let family = Family::of(kind)?;
         let objective = FollowingObjective::new(stretches);
-        let search = Search::new(family, &objective)?;
-        let values = search.best(&search.starts())?;
-        let model = (family.model)(&values);
-        Ok(FollowingFit {
-            model,
-            mean_square: objective.mean_square(&model),
-            stretches: stretches.len(),
-            at_bound: family.at_bound(&values),
-        })
+        Search::new(family, &objective)?.widely()
     }
 }
 
@@ -81,17 +73,25 @@ impl Family {
     }
 }
 
-/// A place with its sum of squares.
+/// Free parameters with their sum: the objective, and what the prior adds.
 #[derive(Debug, Clone)]
 pub(super) struct End {
     pub(super) free: Vec<f64>,
     pub(super) sum: f64,
 }
 
+/// What is known of parameters besides the stretches: each adds `weight (place − mean)²` to the objective.
+#[derive(Debug, Clone)]
+pub(super) struct Prior {
+    pub(super) mean: Vec<f64>,
+    pub(super) weight: Vec<f64>,
+}
+
 /// Looks for the parameters of a model with the least objective.
 pub(super) struct Search<'a> {
     pub(super) family: &'static Family,
     pub(super) objective: &'a FollowingObjective<'a>,
+    pub(super) prior: Option<&'a Prior>,
 }
 
 impl<'a> Search<'a> {
@@ -107,7 +107,28 @@ impl<'a> Search<'a> {
                 unit: "half seconds behind a vehicle (lead_gap_m) to learn from",
             });
         }
-        Ok(Self { family, objective })
+        Ok(Self {
+            family,
+            objective,
+            prior: None,
+        })
+    }
+
+    /// The fit from everywhere.
+    fn widely(&self) -> Result<FollowingFit, Error> {
+        self.from(&self.starts())
+    }
+
+    /// The fit from some places.
+    pub(super) fn from(&self, starts: &[Vec<f64>]) -> Result<FollowingFit, Error> {
+        let values = self.best(starts)?;
+        let model = (self.family.model)(&values);
+        Ok(FollowingFit {
+            model,
+            mean_square: self.objective.mean_square(&model),
+            stretches: self.objective.stretches(),
+            at_bound: self.family.at_bound(&values),
+        })
     }
 
     /// The starting points of the model and the best of the design.
@@ -153,11 +174,25 @@ impl<'a> Search<'a> {
 
     fn sum(&self, free: &[f64]) -> f64 {
         let model = (self.family.model)(&self.family.values(free));
-        self.objective.mean_square(&model)
+        let of_prior = self
+            .prior_residuals(free)
+            .map(|residual| residual * residual);
+        self.objective.mean_square(&model) + of_prior.sum::<f64>()
+    }
+
+    fn prior_residuals(&self, free: &[f64]) -> impl Iterator<Item = f64> {
+        let prior = self
+            .prior
+            .into_iter()
+            .flat_map(|prior| prior.mean.iter().zip(&prior.weight));
+        let places = self.family.places(free).into_iter();
+        prior
+            .zip(places)
+            .map(|((mean, weight), place)| weight.sqrt() * (place - mean))
     }
 
     /// Where Levenberg and Marquardt's method ends.
-    fn descend(&self, start: &[f64]) -> End {
+    pub(super) fn descend(&self, start: &[f64]) -> End {
         let solver = LevenbergMarquardt::new()
             .with_ftol(TOLERANCE)
             .with_xtol(TOLERANCE)
@@ -195,7 +230,15 @@ impl Descent<'_> {
     fn residuals_at(&self, free: &[f64]) -> Option<Vec<f64>> {
         let family = self.search.family;
         let model = (family.model)(&family.values(free));
-        self.search.objective.residuals(&model)
+        let objective = self.search.objective;
+        let mut residuals = objective.residuals(&model)?;
+        let root = (objective.samples() as f64).sqrt();
+        residuals.extend(
+            self.search
+                .prior_residuals(free)
+                .map(|residual| root * residual),
+        );
+        Some(residuals)
     }
 }
 

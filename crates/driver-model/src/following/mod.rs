@@ -23,6 +23,7 @@
 //!   A 419 (2015), 183–195 (the ballistic update).
 
 mod constant_time_gap;
+mod drivers;
 mod fit;
 mod idm;
 mod objective;
@@ -31,6 +32,7 @@ mod simulation;
 mod stretch;
 
 pub use constant_time_gap::ConstantTimeGap;
+pub use drivers::FollowingPopulation;
 pub use fit::FollowingFit;
 pub use idm::Idm;
 pub use objective::FollowingObjective;
@@ -58,11 +60,12 @@ struct Parameter {
 impl Parameter {
     /// Where it is sought: by its logarithm.
     fn place(&self, value: f64) -> f64 {
-        value.ln()
+        if self.lower > 0.0 { value.ln() } else { value }
     }
 
     fn value(&self, place: f64) -> f64 {
-        place.exp().clamp(self.lower, self.upper)
+        let value = if self.lower > 0.0 { place.exp() } else { place };
+        value.clamp(self.lower, self.upper)
     }
 
     fn bounds(&self) -> Bounds {
@@ -113,8 +116,8 @@ const IDM: Family = Family {
 const CONSTANT_TIME_GAP: Family = Family {
     parameters: &[
         parameter("time_gap_s", 0.1, 5.0),
-        parameter("standstill_gap_m", 0.5, 8.0),
-        parameter("gap_gain_per_s", 0.01, 5.0),
+        parameter("standstill_gap_m", -30.0, 30.0),
+        parameter("gap_gain_per_s", 0.0001, 5.0),
     ],
     starts: [&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],
     model: |values| {
@@ -145,6 +148,12 @@ impl Family {
         named
             .map(|(p, value)| p.bounds().free(p.place(*value)))
             .collect()
+    }
+
+    /// Places of free parameters.
+    fn places(&self, free: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(free);
+        named.map(|(p, free)| p.bounds().value(*free)).collect()
     }
 
     /// Values of free parameters.
@@ -225,7 +234,7 @@ impl FollowingModel {
                 let left = 1.0 - (speed_mps / desired_speed_mps).powi(4);
                 (left > 0.0).then(|| wanted_m / left.sqrt())
             }
-            Self::ConstantTimeGap(law) => Some(law.standstill_gap_m + law.time_gap_s * speed_mps),
+            Self::ConstantTimeGap(law) => Some(law.wanted_gap_m(speed_mps)),
         }
     }
 

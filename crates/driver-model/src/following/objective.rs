@@ -1,5 +1,5 @@
 use super::simulation::root_mean_square;
-use super::{Family, FollowingModel, FollowingStretch};
+use super::{FollowingModel, FollowingStretch};
 
 /// Samples are compared this far apart, or further where the log has a longer step.
 const COMPARE_STEP_S: f64 = 0.5;
@@ -52,6 +52,14 @@ impl<'a> FollowingObjective<'a> {
 
     pub(super) fn stretches(&self) -> usize {
         self.stretches.len()
+    }
+
+    /// From first to last sample, of all stretches together.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.stretches
+            .iter()
+            .map(|stretch| stretch.duration_s())
+            .sum()
     }
 
     /// The same scales for some of the stretches.

@@ -69,6 +69,27 @@ impl FollowingStretch {
         &self.gap_m
     }
 
+    /// Who drives: the part of the log's name behind `#`, which is the vehicle of a platoon, and otherwise the log.
+    #[must_use]
+    pub fn driver(&self) -> &str {
+        self.log.split_once('#').map_or(&self.log, |(_, part)| part)
+    }
+
+    /// Cut at the middle sample, which is in either half; `None` below four samples.
+    #[must_use]
+    pub fn halves(&self) -> Option<[Self; 2]> {
+        let (middle, samples) = (self.speed_mps.len() / 2, self.speed_mps.len());
+        let cut = |range: Range<usize>| Self {
+            log: self.log.clone(),
+            start_s: self.start_s + range.start as f64 * self.step_s,
+            step_s: self.step_s,
+            speed_mps: self.speed_mps[range.clone()].to_vec(),
+            gap_m: self.gap_m[range.clone()].to_vec(),
+            lead_speed_mps: self.lead_speed_mps[range].to_vec(),
+        };
+        (samples >= 4).then(|| [cut(0..middle + 1), cut(middle..samples)])
+    }
+
     /// Speed of the leader at the same samples.
     #[must_use]
     pub fn lead_speed_mps(&self) -> &[f64] {

@@ -1,11 +1,15 @@
 //! Car following held out: the intelligent driver model beside the constant-time-gap law.
 
+mod drivers;
+
 use std::time::Instant;
 
 use driver_model::ModelKind;
 use driver_model::following::{FollowingErrors, FollowingFit, FollowingModel, FollowingStretch};
 use driver_model::statistics::mean;
 use serde::Serialize;
+
+pub use drivers::{DriverComparison, DriverRow, HeldOutPart, PairedDrivers};
 
 use crate::{Error, HoldOut};
 
@@ -91,6 +95,8 @@ pub struct FollowingEvaluation {
     pub held_out_difference: PairedDifference,
     /// By unit.
     pub stretches: Vec<ScoredStretch>,
+    /// Parameters of every driver beside those for all, for drivers that are known from other stretches.
+    pub drivers: Vec<DriverComparison>,
 }
 
 /// Holds each unit out once, fits both models on the others, and simulates the held-out stretches.
@@ -131,6 +137,7 @@ pub fn evaluate_following(
         folds: of_folds,
         all: all.fits,
         stretches: scored,
+        drivers: drivers::compared(stretches, hold_out)?,
     })
 }
 
@@ -185,20 +192,25 @@ fn summaries(
     of: fn(&ScoredStretch) -> PerFollowingModel<FollowingErrors>,
 ) -> PerFollowingModel<FollowingSummary> {
     let summary = |model: fn(PerFollowingModel<FollowingErrors>) -> FollowingErrors| {
-        let errors: Vec<FollowingErrors> = stretches.iter().map(|s| model(of(s))).collect();
-        let of_all = |figure: fn(&FollowingErrors) -> f64| {
-            mean(errors.iter().map(figure)).unwrap_or(f64::NAN)
-        };
-        FollowingSummary {
-            gap_rmse_m: of_all(|e| e.gap_rmse_m),
-            speed_rmse_mps: of_all(|e| e.speed_rmse_mps),
-            gap_rmse_relative: of_all(|e| e.gap_rmse_relative),
-            collisions: errors.iter().map(|e| e.collisions).sum(),
-        }
+        FollowingSummary::of(stretches.iter().map(|stretch| model(of(stretch))))
     };
     PerFollowingModel {
         idm: summary(|errors| errors.idm),
         constant_time_gap: summary(|errors| errors.constant_time_gap),
+    }
+}
+
+impl FollowingSummary {
+    fn of(errors: impl Iterator<Item = FollowingErrors> + Clone) -> Self {
+        let of_all = |figure: fn(FollowingErrors) -> f64| {
+            mean(errors.clone().map(figure)).unwrap_or(f64::NAN)
+        };
+        Self {
+            gap_rmse_m: of_all(|e| e.gap_rmse_m),
+            speed_rmse_mps: of_all(|e| e.speed_rmse_mps),
+            gap_rmse_relative: of_all(|e| e.gap_rmse_relative),
+            collisions: errors.map(|e| e.collisions).sum(),
+        }
     }
 }
 
