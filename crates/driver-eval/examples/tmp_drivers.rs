@@ -22,35 +22,45 @@ fn main() {
             }
         }
     }
+    for s in &stretches {
+        if false {
+            println!(
+                "{} {:.1} max speed {:.1}",
+                s.log(),
+                s.duration_s(),
+                s.speed_mps().iter().fold(0.0_f64, |a, b| a.max(*b))
+            );
+        }
+    }
     let t = std::time::Instant::now();
     let e = evaluate_following(&stretches, &HoldOut::by_unit(&files)).unwrap();
     println!("{:?}", t.elapsed());
+    println!(
+        "HELD {:?}\n{:?}\nfit s {:?}",
+        e.held_out,
+        e.in_sample,
+        e.folds.iter().map(|f| f.fit_seconds).collect::<Vec<_>>()
+    );
+    for f in &e.folds {
+        println!("{:?} {:?}", f.fits.idm.model, f.fits.idm.mean_square);
+    }
     for c in &e.drivers {
         println!(
-            "{:?} {} drivers {} stretches {}",
-            c.held_out,
+            "{:13} {:8} {:14} {:2} {:3} gap {:.3} speed {:.3} rel {:.1} coll {}  {:?}",
+            format!("{:?}", c.held_out),
             c.model.name(),
+            format!("{:?}", c.parameters_of),
             c.drivers,
-            c.stretches
+            c.stretches,
+            c.errors.gap_rmse_m,
+            c.errors.speed_rmse_mps,
+            100.0 * c.errors.gap_rmse_relative,
+            c.errors.collisions,
+            c.against_all.map(|p| (
+                format!("{:.2} {:.2} {:.2}", p.gap_rmse_m, p.low_m, p.high_m),
+                p.better_drivers
+            ))
         );
-        for (n, r) in [
-            ("pooled", &c.pooled),
-            ("typical", &c.typical),
-            ("own", &c.own),
-            ("prior", &c.own_with_prior),
-        ] {
-            println!(
-                "  {n:8} gap {:.3} speed {:.3} rel {:.1} coll {}  {:?}",
-                r.errors.gap_rmse_m,
-                r.errors.speed_rmse_mps,
-                100.0 * r.errors.gap_rmse_relative,
-                r.errors.collisions,
-                r.against_pooled.map(|p| (
-                    format!("{:.2} {:.2} {:.2}", p.gap_rmse_m, p.low_m, p.high_m),
-                    p.better_drivers
-                ))
-            );
-        }
     }
     for kind in [
         driver_model::ModelKind::Idm,

@@ -11,44 +11,52 @@ use super::FollowingSummary;
 use crate::ratio_interval::RatioInterval;
 use crate::{Error, HoldOut};
 
-/// What is predicted from what else.
+/// Pieces of stretches that are held out have about this length.
+const PIECE_S: f64 = 60.0;
+
+/// What is held out, and of whom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOutPart {
-    /// One half of every stretch, from all other halves.
-    Half,
-    /// One unit, from the others.
-    Unit,
+    /// Every other minute of every stretch; the driver is known from the minutes between.
+    Minutes,
+    /// One unit, and of it the drivers that other units know.
+    KnownDrivers,
+    /// One unit, with whoever drives.
+    AnyDriver,
 }
 
-/// Parameters for all, of the drivers alone, and of the drivers with what is typical of all as a prior.
+/// Where parameters come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ParametersOf {
+    /// One set fitted to all drivers together.
+    All,
+    /// The mean of the drivers' own, as for a driver of whom nothing is known.
+    Typical,
+    /// The driver alone.
+    Own,
+    /// The driver, with the other drivers as a prior.
+    OwnWithPrior,
+}
+
+/// A model with parameters from one place, on the stretches of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DriverComparison {
     /// What is held out.
     pub held_out: HeldOutPart,
     /// Which model.
     pub model: ModelKind,
-    /// Drivers that what is left says something of; others do not count.
+    /// Where its parameters come from.
+    pub parameters_of: ParametersOf,
+    /// Drivers that are predicted.
     pub drivers: usize,
-    /// Their stretches, or halves of stretches.
+    /// Their stretches, or pieces of them.
     pub stretches: usize,
-    /// Parameters fitted to all drivers together.
-    pub pooled: DriverRow,
-    /// The mean over drivers.
-    pub typical: DriverRow,
-    /// Fitted to the driver alone.
-    pub own: DriverRow,
-    /// Fitted to the driver with the other drivers as a prior.
-    pub own_with_prior: DriverRow,
-}
-
-/// One way to get parameters.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DriverRow {
-    /// Its errors.
+    /// Errors on them.
     pub errors: FollowingSummary,
-    /// Against the pooled parameters; `None` for those themselves, and for one driver.
-    pub against_pooled: Option<PairedDrivers>,
+    /// Against the parameters for all; `None` for those themselves, and for one driver.
+    pub against_all: Option<PairedDrivers>,
 }
 
 /// Difference of the mean root mean square errors of the gap on the same stretches; negative where it is better.
@@ -64,113 +72,154 @@ pub struct PairedDrivers {
     pub better_drivers: usize,
 }
 
-/// Errors on one stretch, by the way to get parameters, in the order of [`DriverComparison`].
-struct Scored {
-    driver: String,
-    errors: [FollowingErrors; 4],
+/// Errors on one held-out stretch.
+struct Scored<'a> {
+    driver: &'a str,
+    all: FollowingErrors,
+    typical: FollowingErrors,
+    /// Own parameters without and with the prior.
+    own: Option<[FollowingErrors; 2]>,
 }
 
 pub(super) fn compared(
     stretches: &[FollowingStretch],
     units: &HoldOut,
 ) -> Result<Vec<DriverComparison>, Error> {
-    let halves: Vec<FollowingStretch> = stretches
-        .iter()
-        .filter_map(FollowingStretch::halves)
-        .flatten()
-        .collect();
-    let which = (0..halves.len()).map(|k| ["first", "second"][k % 2]);
-    let by_half = HoldOut::by_unit(&which.collect::<Vec<_>>());
+    let cut = stretches.iter().map(|stretch| stretch.pieces(PIECE_S));
+    let cut = cut.enumerate().flat_map(|(k, pieces)| {
+        let numbered = pieces.into_iter().enumerate();
+        numbered.map(move |(i, piece)| (["even", "odd"][(k + i) % 2], piece))
+    });
+    let (minutes, pieces): (Vec<&str>, Vec<FollowingStretch>) = cut.unzip();
     let mut found = Vec::new();
-    for (part, stretches, hold_out) in [
-        (HeldOutPart::Half, halves.as_slice(), &by_half),
-        (HeldOutPart::Unit, stretches, units),
-    ] {
-        for model in [ModelKind::Idm, ModelKind::ConstantTimeGap] {
-            let folds = hold_out.run(&|| {}, |split| {
-                let held_out: Vec<_> = split.held_out().map(|item| &stretches[item]).collect();
-                let rest: Vec<_> = split.rest().map(|item| &stretches[item]).collect();
-                scored(model, &rest, &held_out)
-            })?;
-            let scored: Vec<Scored> = folds.into_iter().flatten().collect();
-            found.extend(comparison(part, model, &scored));
-        }
+    for model in [ModelKind::Idm, ModelKind::ConstantTimeGap] {
+        let by_minute = scored_all(model, &pieces, &HoldOut::by_unit(&minutes))?;
+        let by_unit = scored_all(model, stretches, units)?;
+        found.extend(rows(HeldOutPart::Minutes, model, by_minute.iter()));
+        let known = by_unit.iter().filter(|scored| scored.own.is_some());
+        found.extend(rows(HeldOutPart::KnownDrivers, model, known));
+        found.extend(rows(HeldOutPart::AnyDriver, model, by_unit.iter()));
     }
     Ok(found)
 }
 
-/// Held-out stretches of drivers that the rest knows.
-fn scored(
+fn scored_all<'a>(
     kind: ModelKind,
-    rest: &[&FollowingStretch],
-    held_out: &[&FollowingStretch],
-) -> Result<Vec<Scored>, Error> {
-    let mut names: Vec<&str> = rest.iter().map(|stretch| stretch.driver()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let known: Vec<_> = held_out
-        .iter()
-        .filter_map(|stretch| Some((stretch, names.binary_search(&stretch.driver()).ok()?)))
-        .collect();
-    if known.is_empty() || names.len() < 2 {
+    stretches: &'a [FollowingStretch],
+    hold_out: &HoldOut,
+) -> Result<Vec<Scored<'a>>, Error> {
+    let folds = hold_out.run(&|| {}, |split| {
+        let held_out: Vec<_> = split.held_out().map(|item| &stretches[item]).collect();
+        let rest: Vec<_> = split.rest().map(|item| &stretches[item]).collect();
+        scored(kind, &rest, &held_out)
+    })?;
+    Ok(folds.into_iter().flatten().collect())
+}
+
+/// Nothing where the rest knows less than two drivers.
+fn scored<'a>(
+    kind: ModelKind,
+    rest: &[&'a FollowingStretch],
+    held_out: &[&'a FollowingStretch],
+) -> Result<Vec<Scored<'a>>, Error> {
+    let names = drivers_of(rest.iter().copied());
+    if names.len() < 2 {
         return Ok(Vec::new());
     }
-    let drivers: Vec<Vec<&FollowingStretch>> = names
-        .iter()
-        .map(|name| {
-            rest.iter()
-                .copied()
-                .filter(|s| s.driver() == *name)
-                .collect()
-        })
-        .collect();
-    let pooled = FollowingModel::fit(kind, rest)?.model;
-    let population = FollowingPopulation::fit(kind, &drivers)?;
-    let own = drivers
-        .par_iter()
-        .map(|own| Ok(FollowingModel::fit(kind, own)?.model))
-        .collect::<Result<Vec<_>, Error>>()?;
-    let score = |(stretch, driver): (&&FollowingStretch, usize)| Scored {
-        driver: stretch.driver().to_owned(),
-        errors: [
-            pooled,
-            population.typical,
-            own[driver],
-            population.drivers[driver].model,
-        ]
-        .map(|model| model.errors(stretch)),
+    let of_driver = |name: &&str| {
+        let own = rest.iter().copied().filter(|s| s.driver() == *name);
+        own.collect::<Vec<_>>()
     };
-    Ok(known.into_iter().map(score).collect())
+    let drivers: Vec<Vec<&FollowingStretch>> = names.iter().map(of_driver).collect();
+    let all = FollowingModel::fit(kind, rest)?.model;
+    let population = FollowingPopulation::fit(kind, &drivers)?;
+    let is_asked: Vec<bool> = names
+        .iter()
+        .map(|name| held_out.iter().any(|stretch| stretch.driver() == *name))
+        .collect();
+    let own = drivers.par_iter().zip(is_asked).map(|(own, is_asked)| {
+        let fit = is_asked.then(|| FollowingModel::fit(kind, own)).transpose();
+        Ok(fit?.map(|fit| fit.model))
+    });
+    let own = own.collect::<Result<Vec<_>, Error>>()?;
+    let score = |stretch: &&'a FollowingStretch| {
+        let known = names.binary_search(&stretch.driver()).ok();
+        let models = known.and_then(|k| Some([own[k]?, population.drivers[k].model]));
+        Scored {
+            driver: stretch.driver(),
+            all: all.errors(stretch),
+            typical: population.typical.errors(stretch),
+            own: models.map(|models| models.map(|model| model.errors(stretch))),
+        }
+    };
+    Ok(held_out.iter().map(score).collect())
 }
 
-fn comparison(
-    held_out: HeldOutPart,
-    model: ModelKind,
-    scored: &[Scored],
-) -> Option<DriverComparison> {
-    let mut names: Vec<&str> = scored.iter().map(|s| s.driver.as_str()).collect();
+/// Names in order, each once.
+fn drivers_of<'a>(stretches: impl Iterator<Item = &'a FollowingStretch>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = stretches.map(FollowingStretch::driver).collect();
     names.sort_unstable();
     names.dedup();
-    let row = |way: usize| DriverRow {
-        errors: FollowingSummary::of(scored.iter().map(|s| s.errors[way])),
-        against_pooled: (way > 0).then(|| paired(&names, scored, way)).flatten(),
-    };
-    (names.len() > 1).then(|| DriverComparison {
-        held_out,
-        model,
-        drivers: names.len(),
-        stretches: scored.len(),
-        pooled: row(0),
-        typical: row(1),
-        own: row(2),
-        own_with_prior: row(3),
-    })
+    names
 }
 
-fn paired(names: &[&str], scored: &[Scored], way: usize) -> Option<PairedDrivers> {
+impl Scored<'_> {
+    fn errors(&self, of: ParametersOf) -> Option<FollowingErrors> {
+        match of {
+            ParametersOf::All => Some(self.all),
+            ParametersOf::Typical => Some(self.typical),
+            ParametersOf::Own => self.own.map(|own| own[0]),
+            ParametersOf::OwnWithPrior => self.own.map(|own| own[1]),
+        }
+    }
+}
+
+/// A row for each place that has parameters for all of the stretches; none for less than two drivers.
+fn rows<'a>(
+    held_out: HeldOutPart,
+    model: ModelKind,
+    scored: impl Iterator<Item = &'a Scored<'a>> + Clone,
+) -> Vec<DriverComparison> {
+    let mut names: Vec<&str> = scored.clone().map(|s| s.driver).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.len() < 2 {
+        return Vec::new();
+    }
+    let row = |parameters_of: ParametersOf| {
+        let errors = scored.clone().map(|s| s.errors(parameters_of));
+        let errors: Vec<FollowingErrors> = errors.collect::<Option<_>>()?;
+        let against = parameters_of != ParametersOf::All;
+        Some(DriverComparison {
+            held_out,
+            model,
+            parameters_of,
+            drivers: names.len(),
+            stretches: errors.len(),
+            errors: FollowingSummary::of(errors.iter().copied()),
+            against_all: against
+                .then(|| paired(&names, scored.clone(), &errors))
+                .flatten(),
+        })
+    };
+    use ParametersOf::{All, Own, OwnWithPrior, Typical};
+    [All, Typical, Own, OwnWithPrior]
+        .into_iter()
+        .filter_map(row)
+        .collect()
+}
+
+fn paired<'a>(
+    names: &[&str],
+    scored: impl Iterator<Item = &'a Scored<'a>> + Clone,
+    errors: &[FollowingErrors],
+) -> Option<PairedDrivers> {
     let of_driver = |name: &&str| {
-        let own = scored.iter().filter(|s| s.driver == *name);
-        let differences = own.map(|s| s.errors[way].gap_rmse_m - s.errors[0].gap_rmse_m);
+        let own = scored
+            .clone()
+            .zip(errors)
+            .filter(|(s, _)| s.driver == *name);
+        let differences = own.map(|(s, errors)| errors.gap_rmse_m - s.all.gap_rmse_m);
         differences.fold((0.0, 0.0), |(sum, n), difference| {
             (sum + difference, n + 1.0)
         })

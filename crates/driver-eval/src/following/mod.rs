@@ -9,7 +9,7 @@ use driver_model::following::{FollowingErrors, FollowingFit, FollowingModel, Fol
 use driver_model::statistics::mean;
 use serde::Serialize;
 
-pub use drivers::{DriverComparison, DriverRow, HeldOutPart, PairedDrivers};
+pub use drivers::{DriverComparison, HeldOutPart, PairedDrivers, ParametersOf};
 
 use crate::{Error, HoldOut};
 
