@@ -2,12 +2,12 @@
 
 use driver_model::ModelKind;
 use driver_model::following::{
-    FollowingErrors, FollowingModel, FollowingPopulation, FollowingStretch,
+    FollowingErrors, FollowingFit, FollowingModel, FollowingPopulation, FollowingStretch,
 };
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::FollowingSummary;
+use super::{FollowingSummary, PerFollowingModel};
 use crate::ratio_interval::RatioInterval;
 use crate::{Error, HoldOut};
 
@@ -73,7 +73,7 @@ pub struct PairedDrivers {
 }
 
 /// Errors on one held-out stretch.
-struct Scored<'a> {
+pub(super) struct Scored<'a> {
     driver: &'a str,
     all: FollowingErrors,
     typical: FollowingErrors,
@@ -81,9 +81,10 @@ struct Scored<'a> {
     own: Option<[FollowingErrors; 2]>,
 }
 
+/// `by_unit` are held-out stretches by model.
 pub(super) fn compared(
     stretches: &[FollowingStretch],
-    units: &HoldOut,
+    by_unit: &PerFollowingModel<Vec<Scored<'_>>>,
 ) -> Result<Vec<DriverComparison>, Error> {
     let cut = stretches.iter().map(|stretch| stretch.pieces(PIECE_S));
     let cut = cut.enumerate().flat_map(|(k, pieces)| {
@@ -91,35 +92,39 @@ pub(super) fn compared(
         numbered.map(move |(i, piece)| (["even", "odd"][(k + i) % 2], piece))
     });
     let (minutes, pieces): (Vec<&str>, Vec<FollowingStretch>) = cut.unzip();
-    let mut found = Vec::new();
-    for model in [ModelKind::Idm, ModelKind::ConstantTimeGap] {
-        let by_minute = scored_all(model, &pieces, &HoldOut::by_unit(&minutes))?;
-        let by_unit = scored_all(model, stretches, units)?;
-        found.extend(rows(HeldOutPart::Minutes, model, by_minute.iter()));
-        let known = by_unit.iter().filter(|scored| scored.own.is_some());
-        found.extend(rows(HeldOutPart::KnownDrivers, model, known));
-        found.extend(rows(HeldOutPart::AnyDriver, model, by_unit.iter()));
-    }
-    Ok(found)
+    let by_minute = |model| -> Result<Vec<Scored<'_>>, Error> {
+        let folds = HoldOut::by_unit(&minutes).run(&|| {}, |split| {
+            let held_out: Vec<_> = split.held_out().map(|item| &pieces[item]).collect();
+            let rest: Vec<_> = split.rest().map(|item| &pieces[item]).collect();
+            scored(&FollowingModel::fit(model, &rest)?, &rest, &held_out)
+        })?;
+        Ok(folds.into_iter().flatten().collect())
+    };
+    let by_minute = PerFollowingModel {
+        idm: by_minute(ModelKind::Idm)?,
+        constant_time_gap: by_minute(ModelKind::ConstantTimeGap)?,
+    };
+    let of = |part, scored: &PerFollowingModel<Vec<Scored<'_>>>| {
+        let mut found = rows(part, ModelKind::Idm, &scored.idm);
+        found.extend(rows(
+            part,
+            ModelKind::ConstantTimeGap,
+            &scored.constant_time_gap,
+        ));
+        found
+    };
+    Ok([
+        of(HeldOutPart::Minutes, &by_minute),
+        of(HeldOutPart::KnownDrivers, by_unit),
+        of(HeldOutPart::AnyDriver, by_unit),
+    ]
+    .concat())
 }
 
-fn scored_all<'a>(
-    kind: ModelKind,
-    stretches: &'a [FollowingStretch],
-    hold_out: &HoldOut,
-) -> Result<Vec<Scored<'a>>, Error> {
-    let folds = hold_out.run(&|| {}, |split| {
-        let held_out: Vec<_> = split.held_out().map(|item| &stretches[item]).collect();
-        let rest: Vec<_> = split.rest().map(|item| &stretches[item]).collect();
-        scored(kind, &rest, &held_out)
-    })?;
-    Ok(folds.into_iter().flatten().collect())
-}
-
-/// Nothing where the rest knows less than two drivers.
-fn scored<'a>(
-    kind: ModelKind,
-    rest: &[&'a FollowingStretch],
+/// Held-out stretches by parameters for all of the rest, and for its drivers; nothing where it knows less than two of them.
+pub(super) fn scored<'a>(
+    all: &FollowingFit,
+    rest: &[&FollowingStretch],
     held_out: &[&'a FollowingStretch],
 ) -> Result<Vec<Scored<'a>>, Error> {
     let names = drivers_of(rest.iter().copied());
@@ -131,15 +136,11 @@ fn scored<'a>(
         own.collect::<Vec<_>>()
     };
     let drivers: Vec<Vec<&FollowingStretch>> = names.iter().map(of_driver).collect();
-    let all = FollowingModel::fit(kind, rest)?.model;
-    let population = FollowingPopulation::fit(kind, &drivers)?;
-    let is_asked: Vec<bool> = names
-        .iter()
-        .map(|name| held_out.iter().any(|stretch| stretch.driver() == *name))
-        .collect();
-    let own = drivers.par_iter().zip(is_asked).map(|(own, is_asked)| {
-        let fit = is_asked.then(|| FollowingModel::fit(kind, own)).transpose();
-        Ok(fit?.map(|fit| fit.model))
+    let population = FollowingPopulation::fit(all, &drivers)?;
+    let own = drivers.par_iter().zip(&names).map(|(own, name)| {
+        let is_asked = held_out.iter().any(|stretch| stretch.driver() == *name);
+        let fit = is_asked.then(|| FollowingModel::fit(all.model.kind(), own));
+        Ok(fit.transpose()?.map(|fit| fit.model))
     });
     let own = own.collect::<Result<Vec<_>, Error>>()?;
     let score = |stretch: &&'a FollowingStretch| {
@@ -147,7 +148,7 @@ fn scored<'a>(
         let models = known.and_then(|k| Some([own[k]?, population.drivers[k].model]));
         Scored {
             driver: stretch.driver(),
-            all: all.errors(stretch),
+            all: all.model.errors(stretch),
             typical: population.typical.errors(stretch),
             own: models.map(|models| models.map(|model| model.errors(stretch))),
         }
@@ -175,21 +176,20 @@ impl Scored<'_> {
 }
 
 /// A row for each place that has parameters for all of the stretches; none for less than two drivers.
-fn rows<'a>(
-    held_out: HeldOutPart,
-    model: ModelKind,
-    scored: impl Iterator<Item = &'a Scored<'a>> + Clone,
-) -> Vec<DriverComparison> {
-    let mut names: Vec<&str> = scored.clone().map(|s| s.driver).collect();
+fn rows(held_out: HeldOutPart, model: ModelKind, scored: &[Scored<'_>]) -> Vec<DriverComparison> {
+    let counts = |s: &&Scored<'_>| held_out != HeldOutPart::KnownDrivers || s.own.is_some();
+    let scored: Vec<&Scored<'_>> = scored.iter().filter(counts).collect();
+    let mut names: Vec<&str> = scored.iter().map(|s| s.driver).collect();
     names.sort_unstable();
     names.dedup();
     if names.len() < 2 {
         return Vec::new();
     }
     let row = |parameters_of: ParametersOf| {
-        let errors = scored.clone().map(|s| s.errors(parameters_of));
+        let errors = scored.iter().map(|s| s.errors(parameters_of));
         let errors: Vec<FollowingErrors> = errors.collect::<Option<_>>()?;
-        let against = parameters_of != ParametersOf::All;
+        let against_all =
+            (parameters_of != ParametersOf::All).then(|| paired(&names, &scored, &errors));
         Some(DriverComparison {
             held_out,
             model,
@@ -197,28 +197,24 @@ fn rows<'a>(
             drivers: names.len(),
             stretches: errors.len(),
             errors: FollowingSummary::of(errors.iter().copied()),
-            against_all: against
-                .then(|| paired(&names, scored.clone(), &errors))
-                .flatten(),
+            against_all: against_all.flatten(),
         })
     };
-    use ParametersOf::{All, Own, OwnWithPrior, Typical};
-    [All, Typical, Own, OwnWithPrior]
+    let known = [ParametersOf::Own, ParametersOf::OwnWithPrior];
+    let known = known
         .into_iter()
-        .filter_map(row)
-        .collect()
+        .filter(|_| held_out != HeldOutPart::AnyDriver);
+    let any = [ParametersOf::All, ParametersOf::Typical].into_iter();
+    any.chain(known).filter_map(row).collect()
 }
 
-fn paired<'a>(
+fn paired(
     names: &[&str],
-    scored: impl Iterator<Item = &'a Scored<'a>> + Clone,
+    scored: &[&Scored<'_>],
     errors: &[FollowingErrors],
 ) -> Option<PairedDrivers> {
     let of_driver = |name: &&str| {
-        let own = scored
-            .clone()
-            .zip(errors)
-            .filter(|(s, _)| s.driver == *name);
+        let own = scored.iter().zip(errors).filter(|(s, _)| s.driver == *name);
         let differences = own.map(|(s, errors)| errors.gap_rmse_m - s.all.gap_rmse_m);
         differences.fold((0.0, 0.0), |(sum, n), difference| {
             (sum + difference, n + 1.0)

@@ -18,6 +18,11 @@ pub(crate) struct Effort {
     pub(crate) generations: usize,
 }
 
+/// Place of a value: its logarithm, but for gaps that may be negative.
+fn place(value: f64, low: f64) -> f64 {
+    if low > 0.0 { value.ln() } else { value }
+}
+
 /// The least objective that differential evolution finds (R. Storn, K. Price, Journal of Global Optimization 11, 1997; the
 /// variants rand/1/bin and current-to-best/1/bin in turn), over the logarithms of parameters.
 pub(crate) fn least(
@@ -28,12 +33,17 @@ pub(crate) fn least(
 ) -> f64 {
     let ranges = ranges(kind);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let model = |place: &[f64]| model_of(kind, &place.iter().map(|x| x.exp()).collect::<Vec<_>>());
-    let cost = |place: &[f64]| objective.mean_square(&model(place));
+    let value = |(x, (low, _)): (&f64, &(f64, f64))| if *low > 0.0 { x.exp() } else { *x };
+    let cost = |places: &[f64]| {
+        let values: Vec<f64> = places.iter().zip(&ranges).map(value).collect();
+        objective.mean_square(&model_of(kind, &values))
+    };
     let mut places: Vec<Vec<f64>> = (0..effort.population)
         .map(|_| {
-            let of =
-                |(low, high): &(f64, f64)| low.ln() + (high / low).ln() * random.random::<f64>();
+            let of = |(low, high): &(f64, f64)| {
+                let (low, high) = (place(*low, *low), place(*high, *low));
+                low + (high - low) * random.random::<f64>()
+            };
             ranges.iter().map(of).collect()
         })
         .collect();
@@ -58,7 +68,7 @@ pub(crate) fn least(
                 } else {
                     places[a][k] + factor * difference
                 };
-                trial[k] = moved.clamp(low.ln(), high.ln());
+                trial[k] = moved.clamp(place(*low, *low), place(*high, *low));
             }
             let trial_cost = cost(&trial);
             if trial_cost <= costs[i] {
@@ -73,7 +83,7 @@ pub(crate) fn least(
 fn ranges(kind: ModelKind) -> Vec<(f64, f64)> {
     match kind {
         ModelKind::Idm => vec![(0.3, 5.0), (0.3, 5.0), (0.1, 5.0), (0.5, 8.0), (5.0, 70.0)],
-        _ => vec![(0.1, 5.0), (0.01, 30.0), (0.0001, 5.0)],
+        _ => vec![(0.1, 5.0), (-20.0, 20.0), (0.0001, 5.0)],
     }
 }
 
@@ -110,51 +120,55 @@ pub(crate) fn model_of(kind: ModelKind, values: &[f64]) -> FollowingModel {
 
 const STEP_S: f64 = 0.1;
 
-/// Stretches that make a fit hard: leaders who stop and go and brake at up to 8 m/s², drivers who differ, react late and
-/// are no model, gaps close to a collision, noise, short stretches among long ones.
+/// Stretches that make a fit hard: leaders who stop and go, drivers who differ and are no model, noise, short stretches among
+/// long ones. Odd ones are the hardest: leaders who brake harder than any law, drivers who are too near and too fast from the start
+/// and react up to 1.5 s late.
 pub(crate) fn hard_stretches(seed: u64) -> Vec<FollowingStretch> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut between = move |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let is_hardest = seed % 2 == 1;
     let mut found = Vec::new();
-    let stretches = 3 + (seed % 4) as usize;
-    for number in 0..stretches {
-        let duration_s = if number % 2 == 0 {
+    for number in 0..3 + seed % 5 {
+        let is_long = number % 2 == 0 && !(is_hardest && number > 0);
+        let duration_s = if is_long {
             between(60.0, 200.0)
         } else {
             between(6.0, 15.0)
         };
-        let lead_mps = leader(&mut between, (duration_s / STEP_S) as usize);
-        let rows = driver(&mut between, &lead_mps, seed % 3);
+        let lead_mps = leader(&mut between, (duration_s / STEP_S) as usize, is_hardest);
+        let noise_m = 0.4 * (seed % 3) as f64;
+        let rows = driver(&mut between, &lead_mps, noise_m, is_hardest);
         let channels = BTreeMap::from([
             (Channel::Speed, rows.iter().map(|row| row[0]).collect()),
             (Channel::LeadGap, rows.iter().map(|row| row[1]).collect()),
             (Channel::LeadSpeed, lead_mps),
         ]);
-        let name = format!("driver-{number}");
-        let log = DriveLog::new(&name, 0.0, STEP_S, channels).unwrap();
+        let log = DriveLog::new(format!("driver-{number}"), 0.0, STEP_S, channels).unwrap();
         let motion = Motion::of_log(&log, 100.0).unwrap();
         let settings = FollowingSettings {
-            min_duration_s: 5.0,
+            min_duration_s: 3.0,
         };
         found.extend(following_stretches(&motion, &settings));
     }
     found
 }
 
-fn leader(between: &mut impl FnMut(f64, f64) -> f64, samples: usize) -> Vec<f64> {
+fn leader(between: &mut impl FnMut(f64, f64) -> f64, samples: usize, slams: bool) -> Vec<f64> {
     let mut speed_mps = between(0.0, 20.0);
     let (mut aim_mps, mut accel_mps2, mut until) = (speed_mps, 1.0, 0);
+    let (hardest_mps2, longest) = if slams { (12.0, 80.0) } else { (8.0, 150.0) };
     (0..samples)
         .map(|k| {
             if k >= until {
                 let stops = between(0.0, 1.0) < 0.4;
                 aim_mps = if stops { 0.0 } else { between(2.0, 25.0) };
-                accel_mps2 = if aim_mps < speed_mps {
-                    between(1.0, 8.0)
+                let brakes = aim_mps < speed_mps;
+                accel_mps2 = if brakes {
+                    between(1.0, hardest_mps2)
                 } else {
                     between(0.5, 3.0)
                 };
-                until = k + between(30.0, 150.0) as usize;
+                until = k + between(30.0, longest) as usize;
             }
             let step_mps = accel_mps2 * STEP_S;
             speed_mps += (aim_mps - speed_mps).clamp(-step_mps, step_mps);
@@ -163,41 +177,47 @@ fn leader(between: &mut impl FnMut(f64, f64) -> f64, samples: usize) -> Vec<f64>
         .collect()
 }
 
-/// Speed and gap of a driver between two models, who reacts late by up to 0.8 s, recorded with noise.
+/// Speed and gap, with noise, of a driver between two models who reacts late.
 fn driver(
     between: &mut impl FnMut(f64, f64) -> f64,
     lead_mps: &[f64],
-    noise: u64,
+    noise_m: f64,
+    is_hardest: bool,
 ) -> Vec<[f64; 2]> {
-    let idm = model_of(
-        ModelKind::Idm,
-        &[
-            between(0.5, 4.0),
-            between(0.6, 4.0),
-            between(0.3, 2.5),
-            between(0.6, 6.0),
-            between(12.0, 40.0),
-        ],
-    );
-    let law = model_of(
-        ModelKind::ConstantTimeGap,
-        &[between(0.4, 2.5), between(0.8, 6.0), between(0.03, 0.6)],
-    );
+    let mut around = |low: f64, high: f64| low * (high / low).powf(between(0.0, 1.0));
+    let idm = [
+        around(0.4, 5.0),
+        around(0.4, 5.0),
+        around(0.2, 3.0),
+        around(0.5, 7.0),
+        around(9.0, 50.0),
+    ];
+    let law = [around(0.2, 3.0), around(0.5, 7.0), around(0.02, 1.0)];
+    let models = [
+        model_of(ModelKind::Idm, &idm),
+        model_of(ModelKind::ConstantTimeGap, &law),
+    ];
     let share = between(0.0, 1.0);
-    let late = between(0.0, 8.0) as usize;
-    let (mut speed_mps, mut gap_m) = (
-        lead_mps[0],
-        between(1.0, 6.0) + lead_mps[0] * between(0.4, 2.0),
-    );
+    let late = between(0.0, if is_hardest { 15.0 } else { 8.0 }) as usize;
+    let (mut speed_mps, mut gap_m) = if is_hardest {
+        (
+            lead_mps[0] + between(0.0, 8.0),
+            between(0.5, 3.0) + lead_mps[0] * between(0.05, 0.6),
+        )
+    } else {
+        (
+            lead_mps[0],
+            between(1.0, 6.0) + lead_mps[0] * between(0.4, 2.0),
+        )
+    };
     let mut accels_mps2 = Vec::with_capacity(lead_mps.len());
     let mut rows = Vec::with_capacity(lead_mps.len());
     for (k, &lead) in lead_mps.iter().enumerate() {
-        let off = noise as f64 * 0.4;
         rows.push([
-            (speed_mps + 0.2 * between(-off, off)).max(0.0),
-            (gap_m + between(-off, off)).max(0.3),
+            (speed_mps + 0.2 * between(-noise_m, noise_m)).max(0.0),
+            (gap_m + between(-noise_m, noise_m)).max(0.3),
         ]);
-        let [a, b] = [idm, law].map(|model| model.accel_mps2(speed_mps, gap_m, lead));
+        let [a, b] = models.map(|model| model.accel_mps2(speed_mps, gap_m, lead));
         accels_mps2.push(share * a + (1.0 - share) * b);
         let next_mps = (speed_mps + accels_mps2[k.saturating_sub(late)] * STEP_S).max(0.0);
         gap_m = (gap_m + STEP_S * (lead - 0.5 * (speed_mps + next_mps))).max(0.3);

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::fit::{End, FollowingFit, Prior, Search};
 use super::objective::FollowingObjective;
 use super::{Family, FollowingModel, FollowingStretch};
-use crate::{Error, ModelKind};
+use crate::Error;
 
 /// Drivers and what is typical of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,7 +31,7 @@ pub struct FollowingPopulation {
 const INDEPENDENT_S: f64 = 10.0;
 
 /// Rounds of expectation and maximisation; deviations change by some per cent in the last.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 5;
 
 /// Deviations before anything is known, as a share of the width of bounds, and for how many drivers they count.
 const WIDE: f64 = 1.0 / 6.0;
@@ -41,20 +41,18 @@ const WIDE_DRIVERS: f64 = 1.0;
 const DIFFERENCE: f64 = 1e-3;
 
 impl FollowingPopulation {
-    /// Fits one model to every driver, given by the stretches of each.
+    /// Fits a model to every driver, given by the stretches of each, from what was fitted to all of them together.
     ///
     /// # Errors
-    /// Those of [`FollowingModel::fit`]; [`Error::TooFewStretches`] for a driver without any.
-    pub fn fit(kind: ModelKind, drivers: &[Vec<&FollowingStretch>]) -> Result<Self, Error> {
+    /// [`Error::TooFewStretches`] for a driver with less samples than parameters, and those of [`FollowingModel::fit`].
+    pub fn fit(pooled: &FollowingFit, drivers: &[Vec<&FollowingStretch>]) -> Result<Self, Error> {
         let all: Vec<&FollowingStretch> = drivers.iter().flatten().copied().collect();
-        let pooled = FollowingModel::fit(kind, &all)?;
         let objective = FollowingObjective::new(&all);
         let own: Vec<_> = drivers.iter().map(|own| objective.of_some(own)).collect();
-        let mut population = Population::around(&pooled)?;
+        let mut population = Population::around(pooled)?;
         let searches = own.iter().map(|own| Search::new(population.family, own));
         let searches: Vec<Search<'_>> = searches.collect::<Result<_, _>>()?;
-        let start = population.free_mean();
-        let mut ends = vec![start; searches.len()];
+        let mut ends = vec![population.free_mean(); searches.len()];
         for _ in 0..ROUNDS {
             population.learn(&searches, &mut ends);
         }
@@ -108,7 +106,7 @@ impl Population {
     }
 
     /// One round: every driver by the population, the population by the drivers.
-    fn learn(&mut self, searches: &[Search<'_>], ends: &mut Vec<Vec<f64>>) {
+    fn learn(&mut self, searches: &[Search<'_>], ends: &mut [Vec<f64>]) {
         let of_driver = |(search, start): (&Search<'_>, &Vec<f64>)| self.told(search, start);
         let told: Vec<Told> = searches.par_iter().zip(&*ends).map(of_driver).collect();
         let drivers = told.len() as f64;
@@ -125,7 +123,9 @@ impl Population {
         let samples = |search: &Search<'_>| search.objective.samples() as f64;
         let sum: f64 = weighted.map(|(s, t)| samples(s) * t.mean_square).sum();
         self.noise = sum / searches.iter().map(samples).sum::<f64>();
-        *ends = told.into_iter().map(|told| told.free).collect();
+        for (end, told) in ends.iter_mut().zip(told) {
+            *end = told.free;
+        }
     }
 
     fn told(&self, search: &Search<'_>, start: &[f64]) -> Told {

@@ -35,7 +35,10 @@ const DESIGN: usize = 24;
 const DESCENTS: usize = 5;
 
 /// Ends that are polished.
-const POLISHED: usize = 3;
+const POLISHED: usize = 4;
+
+/// Ends whose sums differ by less, relative, are the same.
+const SAME: f64 = 1e-3;
 
 /// Step of finite differences in free parameters: over edges of the objective rather than along one.
 const DIFFERENCE: f64 = 1e-4;
@@ -152,6 +155,7 @@ impl<'a> Search<'a> {
     fn best(&self, starts: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
         let mut ends: Vec<End> = starts.par_iter().map(|start| self.descend(start)).collect();
         ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        ends.dedup_by(|next, kept| next.sum - kept.sum < SAME * kept.sum);
         ends.truncate(POLISHED);
         let polished: Vec<End> = ends
             .into_par_iter()

@@ -116,7 +116,7 @@ const IDM: Family = Family {
 const CONSTANT_TIME_GAP: Family = Family {
     parameters: &[
         parameter("time_gap_s", 0.1, 5.0),
-        parameter("standstill_gap_m", -30.0, 30.0),
+        parameter("standstill_gap_m", -20.0, 20.0),
         parameter("gap_gain_per_s", 0.0001, 5.0),
     ],
     starts: [&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],

@@ -14,10 +14,10 @@ const EDGE: f64 = 0.15;
 const SIMPLICES: usize = 6;
 
 /// Steps of a simplex, per parameter.
-const STEPS: u64 = 30;
+const STEPS: u64 = 20;
 
 /// A simplex has ended where the sums at its corners differ by less, and the last one is that which gained less, both relative.
-const TOLERANCE: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-4;
 const GAIN: f64 = 1e-3;
 
 /// The best place that simplices reach from an end, each begun anew at the best one so far; never a worse one.
