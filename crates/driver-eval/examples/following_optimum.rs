@@ -25,7 +25,7 @@ const EFFORT: referee::Effort = referee::Effort {
 };
 
 fn main() {
-    for kind in [ModelKind::ConstantTimeGap] {
+    for kind in [ModelKind::Idm, ModelKind::ConstantTimeGap] {
         println!("\n{}", kind.name());
         for file in std::env::args().skip(1) {
             compare(kind, &file, &recorded(&file));

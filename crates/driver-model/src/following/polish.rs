@@ -113,3 +113,23 @@ impl ArgminMul<f64, Self> for Place {
         Self(self.0.iter().map(|value| value * factor).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_is_followed_down_and_nothing_gets_worse() {
+        let edge = |free: &[f64]| 1.0 + (free[0] - free[1]).abs() * 3.0 + (free[0] - 1.0).abs();
+        let from = |free: [f64; 2]| End {
+            sum: edge(&free),
+            free: free.to_vec(),
+        };
+        let found = polish(from([-0.4, 0.5]), edge);
+        assert!(found.sum < 1.01, "{found:?}");
+        let kept = polish(from([1.0, 1.0]), edge);
+        assert!((kept.sum - 1.0).abs() < 1e-12);
+        let lost = polish(from([0.0, 0.0]), |_| f64::NAN);
+        assert!((lost.sum - edge(&[0.0, 0.0])).abs() < 1e-12);
+    }
+}
