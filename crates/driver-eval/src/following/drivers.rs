@@ -22,8 +22,6 @@ pub enum HeldOutPart {
     Minutes,
     /// One unit, and of it the drivers that other units know.
     KnownDrivers,
-    /// One unit, with whoever drives.
-    AnyDriver,
 }
 
 /// Where parameters come from.
@@ -32,8 +30,6 @@ pub enum HeldOutPart {
 pub enum ParametersOf {
     /// One set fitted to all drivers together.
     All,
-    /// The mean of the drivers' own, as for a driver of whom nothing is known.
-    Typical,
     /// The driver alone.
     Own,
     /// The driver, with the other drivers as a prior.
@@ -75,10 +71,8 @@ pub struct PairedDrivers {
 /// Errors on one held-out stretch.
 pub(super) struct Scored<'a> {
     driver: &'a str,
-    all: FollowingErrors,
-    typical: FollowingErrors,
-    /// Own parameters without and with the prior.
-    own: Option<[FollowingErrors; 2]>,
+    /// Parameters for all, own ones, and own ones with the prior.
+    errors: [FollowingErrors; 3],
 }
 
 /// `by_unit` are held-out stretches by model.
@@ -116,19 +110,22 @@ pub(super) fn compared(
     Ok([
         of(HeldOutPart::Minutes, &by_minute),
         of(HeldOutPart::KnownDrivers, by_unit),
-        of(HeldOutPart::AnyDriver, by_unit),
     ]
     .concat())
 }
 
-/// Held-out stretches by parameters for all of the rest, and for its drivers; nothing where it knows less than two of them.
+/// Held-out stretches of drivers that the rest knows; none where it knows less than two drivers.
 pub(super) fn scored<'a>(
     all: &FollowingFit,
     rest: &[&FollowingStretch],
     held_out: &[&'a FollowingStretch],
 ) -> Result<Vec<Scored<'a>>, Error> {
     let names = drivers_of(rest.iter().copied());
-    if names.len() < 2 {
+    let known: Vec<(&&'a FollowingStretch, usize)> = held_out
+        .iter()
+        .filter_map(|stretch| Some((stretch, names.binary_search(&stretch.driver()).ok()?)))
+        .collect();
+    if known.is_empty() || names.len() < 2 {
         return Ok(Vec::new());
     }
     let of_driver = |name: &&str| {
@@ -137,23 +134,16 @@ pub(super) fn scored<'a>(
     };
     let drivers: Vec<Vec<&FollowingStretch>> = names.iter().map(of_driver).collect();
     let population = FollowingPopulation::fit(all, &drivers)?;
-    let own = drivers.par_iter().zip(&names).map(|(own, name)| {
-        let is_asked = held_out.iter().any(|stretch| stretch.driver() == *name);
-        let fit = is_asked.then(|| FollowingModel::fit(all.model.kind(), own));
-        Ok(fit.transpose()?.map(|fit| fit.model))
+    let own = drivers.par_iter().map(|own| {
+        let fit = FollowingModel::fit(all.model.kind(), own)?;
+        Ok(fit.model)
     });
     let own = own.collect::<Result<Vec<_>, Error>>()?;
-    let score = |stretch: &&'a FollowingStretch| {
-        let known = names.binary_search(&stretch.driver()).ok();
-        let models = known.and_then(|k| Some([own[k]?, population.drivers[k].model]));
-        Scored {
-            driver: stretch.driver(),
-            all: all.model.errors(stretch),
-            typical: population.typical.errors(stretch),
-            own: models.map(|models| models.map(|model| model.errors(stretch))),
-        }
+    let score = |(stretch, k): (&&'a FollowingStretch, usize)| Scored {
+        driver: stretch.driver(),
+        errors: [all.model, own[k], population.drivers[k].model].map(|model| model.errors(stretch)),
     };
-    Ok(held_out.iter().map(score).collect())
+    Ok(known.into_iter().map(score).collect())
 }
 
 /// Names in order, each once.
@@ -164,58 +154,35 @@ fn drivers_of<'a>(stretches: impl Iterator<Item = &'a FollowingStretch>) -> Vec<
     names
 }
 
-impl Scored<'_> {
-    fn errors(&self, of: ParametersOf) -> Option<FollowingErrors> {
-        match of {
-            ParametersOf::All => Some(self.all),
-            ParametersOf::Typical => Some(self.typical),
-            ParametersOf::Own => self.own.map(|own| own[0]),
-            ParametersOf::OwnWithPrior => self.own.map(|own| own[1]),
-        }
-    }
-}
-
-/// A row for each place that has parameters for all of the stretches; none for less than two drivers.
+/// A row for each place that parameters come from; none for less than two drivers.
 fn rows(held_out: HeldOutPart, model: ModelKind, scored: &[Scored<'_>]) -> Vec<DriverComparison> {
-    let counts = |s: &&Scored<'_>| held_out != HeldOutPart::KnownDrivers || s.own.is_some();
-    let scored: Vec<&Scored<'_>> = scored.iter().filter(counts).collect();
     let mut names: Vec<&str> = scored.iter().map(|s| s.driver).collect();
     names.sort_unstable();
     names.dedup();
     if names.len() < 2 {
         return Vec::new();
     }
-    let row = |parameters_of: ParametersOf| {
-        let errors = scored.iter().map(|s| s.errors(parameters_of));
-        let errors: Vec<FollowingErrors> = errors.collect::<Option<_>>()?;
-        let against_all =
-            (parameters_of != ParametersOf::All).then(|| paired(&names, &scored, &errors));
-        Some(DriverComparison {
-            held_out,
-            model,
-            parameters_of,
-            drivers: names.len(),
-            stretches: errors.len(),
-            errors: FollowingSummary::of(errors.iter().copied()),
-            against_all: against_all.flatten(),
-        })
+    let places = [
+        ParametersOf::All,
+        ParametersOf::Own,
+        ParametersOf::OwnWithPrior,
+    ];
+    let row = |(place, parameters_of)| DriverComparison {
+        held_out,
+        model,
+        parameters_of,
+        drivers: names.len(),
+        stretches: scored.len(),
+        errors: FollowingSummary::of(scored.iter().map(|s| s.errors[place])),
+        against_all: (place > 0).then(|| paired(&names, scored, place)).flatten(),
     };
-    let known = [ParametersOf::Own, ParametersOf::OwnWithPrior];
-    let known = known
-        .into_iter()
-        .filter(|_| held_out != HeldOutPart::AnyDriver);
-    let any = [ParametersOf::All, ParametersOf::Typical].into_iter();
-    any.chain(known).filter_map(row).collect()
+    places.into_iter().enumerate().map(row).collect()
 }
 
-fn paired(
-    names: &[&str],
-    scored: &[&Scored<'_>],
-    errors: &[FollowingErrors],
-) -> Option<PairedDrivers> {
+fn paired(names: &[&str], scored: &[Scored<'_>], place: usize) -> Option<PairedDrivers> {
     let of_driver = |name: &&str| {
-        let own = scored.iter().zip(errors).filter(|(s, _)| s.driver == *name);
-        let differences = own.map(|(s, errors)| errors.gap_rmse_m - s.all.gap_rmse_m);
+        let own = scored.iter().filter(|s| s.driver == *name);
+        let differences = own.map(|s| s.errors[place].gap_rmse_m - s.errors[0].gap_rmse_m);
         differences.fold((0.0, 0.0), |(sum, n), difference| {
             (sum + difference, n + 1.0)
         })

@@ -93,14 +93,12 @@ impl DriverComparison {
                 "each unit held out, {} of {drivers} that other units know",
                 plural(self.stretches, "stretch")
             ),
-            HeldOutPart::AnyDriver => format!("each unit held out, {drivers} as if unknown"),
         }
     }
 
     fn row(&self) -> FollowingRow {
         let whose = match self.parameters_of {
             ParametersOf::All => "for all",
-            ParametersOf::Typical => "mean of drivers",
             ParametersOf::Own => "own",
             ParametersOf::OwnWithPrior => "own with prior",
         };

@@ -299,6 +299,9 @@ pub(crate) fn recorded(folder: &Path) -> BTreeMap<String, Vec<FollowingStretch>>
     let mut found: BTreeMap<String, Vec<FollowingStretch>> = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let file = entry.unwrap().path();
+        if file.extension().is_none_or(|extension| extension != "csv") {
+            continue;
+        }
         let stretches = found.entry(file.display().to_string()).or_default();
         for log in read_file(&file, &LayoutChoice::Auto).unwrap().logs {
             for piece in prepare(log, &Preparation::default()).unwrap().pieces {

@@ -30,12 +30,11 @@ pub(super) fn polish(end: End, sum: impl Fn(&[f64]) -> f64) -> End {
             break;
         };
         let gained = best.sum - found.sum;
-        if !(gained > 0.0) {
-            break;
+        let goes_on = gained > GAIN * found.sum;
+        if gained > 0.0 {
+            best = found;
         }
-        let enough = gained < GAIN * found.sum;
-        best = found;
-        if enough {
+        if !goes_on {
             break;
         }
     }
