@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use driver_eval::behaviour::BehaviourEvaluation;
 use driver_eval::cruise::CruiseEvaluation;
-use driver_eval::following::{FollowingEvaluation, FollowingFold, FollowingSummary};
+use driver_eval::following::{FollowingEvaluation, PairedDrivers};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
 use driver_model::{DriveBehaviour, ModelKind, PhaseKind};
 
@@ -277,42 +277,40 @@ fn following(evaluation: &FollowingEvaluation) -> String {
         "of the gap %",
         "collisions",
         "fit s",
+        "less for all m",
+        "95 % from",
+        "to",
+        "better for",
     ]);
-    let [idm, law] = [ModelKind::Idm, ModelKind::ConstantTimeGap].map(ModelKind::name);
-    let seconds = |of: fn(&FollowingFold) -> f64| -> f64 { evaluation.folds.iter().map(of).sum() };
-    let mut row = |name: &str, s: &FollowingSummary, seconds: f64| {
-        table.row([
-            name.to_owned(),
-            number(s.gap_rmse_m, 2),
-            number(s.speed_rmse_mps, 3),
-            number(100.0 * s.gap_rmse_relative, 1),
-            s.collisions.to_string(),
-            number(seconds, 3),
-        ]);
-    };
-    let (held_out, in_sample) = (&evaluation.held_out, &evaluation.in_sample);
-    row(idm, &held_out.idm, seconds(|f| f.fit_seconds.idm));
-    row(
-        law,
-        &held_out.constant_time_gap,
-        seconds(|f| f.fit_seconds.constant_time_gap),
-    );
-    row(&format!("{idm}, in sample"), &in_sample.idm, f64::NAN);
-    row(
-        &format!("{law}, in sample"),
-        &in_sample.constant_time_gap,
-        f64::NAN,
-    );
+    for group in evaluation.rows() {
+        table.heading(&group.heading);
+        for row in group.rows {
+            let against = row.against_all.as_ref();
+            let metres = |of: fn(&PairedDrivers) -> f64| number(against.map(|(p, _)| of(p)), 2);
+            let better = |(p, n): &(PairedDrivers, usize)| format!("{} of {n}", p.better_drivers);
+            table.row([
+                row.name,
+                number(row.errors.gap_rmse_m, 2),
+                number(row.errors.speed_rmse_mps, 3),
+                number(100.0 * row.errors.gap_rmse_relative, 1),
+                row.errors.collisions.to_string(),
+                number(row.fit_seconds, 3),
+                metres(|p| p.gap_rmse_m),
+                metres(|p| p.low_m),
+                metres(|p| p.high_m),
+                against.map_or_else(String::new, better),
+            ]);
+        }
+    }
     let paired = &evaluation.held_out_difference;
-    let error = paired.gap_rmse_std_error_m;
     format!(
-        "\n{} behind a vehicle in {}, each unit held out\n\n{}\n\
-         {idm} less {law}: gap RMSE {} ± {} m (standard error over stretches), better in {} of {}\n",
+        "\n{} behind a vehicle in {}\n\n{}\n\
+         idm less constant-time-gap: gap RMSE {} ± {} m (standard error over stretches), better in {} of {}\n",
         plural(evaluation.stretches.len(), "stretch"),
         plural(evaluation.folds.len(), "unit"),
         table.render(),
         number(paired.gap_rmse_m, 2),
-        number(error, 2),
+        number(paired.gap_rmse_std_error_m, 2),
         paired.idm_better,
         evaluation.stretches.len(),
     )

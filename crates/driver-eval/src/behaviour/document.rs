@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 use super::BehaviourEvaluation;
 use crate::cruise::{CruiseEvaluation, CruiseFold, CruiseSummary};
 use crate::following::{
-    FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference, PerFollowingModel,
-    ScoredStretch,
+    DriverComparison, FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference,
+    PerFollowingModel, ScoredStretch,
 };
 use crate::phase::{
     BandCoverage, EvaluatedPhase, Evaluation, Fold, LearningPoint, PairedComparison,
@@ -85,6 +85,8 @@ struct Following<'a> {
     paired: PairedDifference,
     folds: &'a [FollowingFold],
     stretches: &'a [ScoredStretch],
+    /// Parameters per driver; none where no driver is known from elsewhere.
+    drivers: &'a [DriverComparison],
 }
 
 /// One kind of phase.
@@ -187,6 +189,7 @@ impl<'a> Following<'a> {
             paired: evaluation.held_out_difference,
             folds: &evaluation.folds,
             stretches: &evaluation.stretches,
+            drivers: &evaluation.drivers,
         }
     }
 }

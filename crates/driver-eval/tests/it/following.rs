@@ -1,10 +1,11 @@
 //! Car following: known parameters come back from simulated stretches, and recorded platoons are followed.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use drive_log::{Channel, DriveLog, LayoutChoice, Preparation, prepare, read_file};
 use driver_eval::HoldOut;
-use driver_eval::following::{FollowingEvaluation, evaluate_following};
+use driver_eval::following::{FollowingEvaluation, ParametersOf, evaluate_following};
 use driver_model::Error;
 use driver_model::ModelKind;
 use driver_model::following::{
@@ -32,7 +33,7 @@ const LAW: FollowingModel = FollowingModel::ConstantTimeGap(ConstantTimeGap {
 });
 
 /// A leader who stops now and then.
-fn leader_mps(time_s: f64) -> f64 {
+pub(crate) fn leader_mps(time_s: f64) -> f64 {
     let sine = |amplitude, period_s, phase| {
         amplitude * f64::sin(std::f64::consts::TAU * time_s / period_s + phase)
     };
@@ -40,7 +41,7 @@ fn leader_mps(time_s: f64) -> f64 {
 }
 
 /// Speed and gap of a model behind a leader every `step_s`, in steps as fine as asked for.
-fn follow(
+pub(crate) fn follow(
     model: &FollowingModel,
     leader_mps: impl Fn(f64) -> f64,
     step_s: f64,
@@ -65,16 +66,20 @@ fn follow(
     series
 }
 
-fn log_of([speed, gap, lead]: [Vec<f64>; 3], step_s: f64) -> DriveLog {
+fn log_of(series: [Vec<f64>; 3], step_s: f64) -> DriveLog {
+    log_named("log", series, step_s)
+}
+
+pub(crate) fn log_named(name: &str, [speed, gap, lead]: [Vec<f64>; 3], step_s: f64) -> DriveLog {
     let channels = BTreeMap::from([
         (Channel::Speed, speed),
         (Channel::LeadGap, gap),
         (Channel::LeadSpeed, lead),
     ]);
-    DriveLog::new("log", 0.0, step_s, channels).unwrap()
+    DriveLog::new(name, 0.0, step_s, channels).unwrap()
 }
 
-fn one_stretch(log: &DriveLog) -> FollowingStretch {
+pub(crate) fn one_stretch(log: &DriveLog) -> FollowingStretch {
     let mut found = following_stretches(&motion_of(log), &FollowingSettings::default());
     assert_eq!(found.len(), 1);
     let stretch = found.remove(0);
@@ -289,6 +294,34 @@ proptest! {
     }
 }
 
+/// The stretches of every file in a folder, by file.
+pub(crate) fn recorded(folder: &Path) -> BTreeMap<String, Vec<FollowingStretch>> {
+    let mut found: BTreeMap<String, Vec<FollowingStretch>> = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let file = entry.unwrap().path();
+        if file.extension().is_none_or(|extension| extension != "csv") {
+            continue;
+        }
+        let stretches = found.entry(file.display().to_string()).or_default();
+        for log in read_file(&file, &LayoutChoice::Auto).unwrap().logs {
+            for piece in prepare(log, &Preparation::default()).unwrap().pieces {
+                let settings = FollowingSettings::default();
+                stretches.extend(following_stretches(&motion_of(&piece), &settings));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn a_law_of_ordinary_stretches_does_not_end_at_its_bounds() {
+    let drives = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/drives");
+    let by_file = recorded(&drives);
+    let stretches: Vec<&FollowingStretch> = by_file.values().flatten().collect();
+    let fit = FollowingModel::fit(ModelKind::ConstantTimeGap, &stretches).unwrap();
+    assert!(stretches.len() > 15 && fit.at_bound.is_empty(), "{fit:?}");
+}
+
 /// Two platoons on a handling course, human drivers; a fit to one of them follows in the other.
 #[test]
 fn recorded_platoons_are_followed() {
@@ -296,15 +329,9 @@ fn recorded_platoons_are_followed() {
         return;
     };
     let (mut stretches, mut files) = (Vec::new(), Vec::new());
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let file = entry.unwrap().path();
-        for log in read_file(&file, &LayoutChoice::Auto).unwrap().logs {
-            for piece in prepare(log, &Preparation::default()).unwrap().pieces {
-                let found = following_stretches(&motion_of(&piece), &FollowingSettings::default());
-                files.extend(found.iter().map(|_| file.display().to_string()));
-                stretches.extend(found);
-            }
-        }
+    for (file, found) in recorded(&folder) {
+        files.extend(found.iter().map(|_| file.clone()));
+        stretches.extend(found);
     }
     let evaluation = evaluate_following(&stretches, &HoldOut::by_unit(&files)).unwrap();
     assert_eq!(evaluation.stretches.len(), 14);
@@ -313,9 +340,17 @@ fn recorded_platoons_are_followed() {
         evaluation.held_out.constant_time_gap,
     ] {
         assert!(
-            figures.gap_rmse_m < 6.5 && figures.speed_rmse_mps < 0.8,
+            figures.gap_rmse_m < 6.2 && figures.speed_rmse_mps < 0.7,
             "{figures:?}"
         );
         assert_eq!(figures.collisions, 0);
+    }
+    for fold in &evaluation.folds {
+        assert!(fold.fits.constant_time_gap.at_bound.is_empty());
+    }
+    for row in &evaluation.drivers {
+        if row.parameters_of == ParametersOf::OwnWithPrior {
+            assert!(row.against_all.unwrap().gap_rmse_m < -0.5, "{row:?}");
+        }
     }
 }

@@ -13,7 +13,9 @@ mod conditioned;
 mod cruise;
 mod evaluation;
 mod following;
+mod following_fits;
 mod free_run;
+mod referee;
 #[path = "../../../../fixtures/shared.rs"]
 mod shared;
 #[allow(dead_code, reason = "for the tests of models too")]

@@ -1,20 +1,18 @@
-//! Nonlinear least squares over simulated stretches, within bounds.
+//! Least squares over simulated stretches, within bounds.
 //!
-//! Minimises the mean over samples of `((ŝ − s)/S)² + ((v̂ − v)/V)²`, where `S` and `V` are the root mean squares of
-//! measured gap and speed of a stretch, at least 1 m and 1 m/s. The gap is off by some tenths and the speed by some
-//! hundredths, so that the gap decides. The bounds are removed by `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg
-//! and Marquardt's method works on `q`.
+//! Laws are clamped and drivers stop, so that the objective has edges and several minima. It is looked up on a fixed design
+//! of parameters beside the starting points of the model; Levenberg and Marquardt's method goes down from the best of them,
+//! and simplices of Nelder and Mead, which need no derivatives, from where it ends. Positive parameters are sought by their logarithms.
 
-use ev_energy::calibration::Bounds;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::simulation::root_mean_square;
-use super::{Family, FollowingModel, FollowingStretch, Parameter};
-use crate::least_squares::unconverged;
+use super::objective::FollowingObjective;
+use super::polish::polish;
+use super::{Family, FollowingModel, FollowingStretch};
 use crate::{Error, ModelKind};
 
 /// A model of car following fitted to stretches.
@@ -30,173 +28,225 @@ pub struct FollowingFit {
     pub at_bound: Vec<&'static str>,
 }
 
-/// Samples are compared this far apart, or further where the log has a longer step.
-const COMPARE_STEP_S: f64 = 0.5;
+/// Places at which the objective is looked up, per parameter.
+const DESIGN: usize = 24;
 
-/// Step of finite differences, of the width of the bounds.
-const DIFFERENCE: f64 = 1e-5;
+/// How many of them the methods start from, beside the starting points of the model.
+const DESCENTS: usize = 5;
 
-/// Change of the sum of squares, and of the parameters, below which the fit has converged.
-const TOLERANCE: f64 = 1e-5;
+/// Ends that are polished.
+const POLISHED: usize = 4;
 
-/// Evaluations at most, per parameter.
-const PATIENCE: usize = 100;
+/// Ends whose sums differ by less, relative, are the same.
+const SAME: f64 = 1e-3;
+
+/// Step of finite differences in free parameters: over edges of the objective rather than along one.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Change of the sum of squares, and of the parameters, below which Levenberg and Marquardt's method stops.
+const TOLERANCE: f64 = 1e-4;
+
+/// Its evaluations at most, per parameter.
+const PATIENCE: usize = 30;
 
 /// A value this near to a bound, as a share of the width, ran into it.
 const AT_BOUND: f64 = 0.01;
 
-/// Least `S` in m and `V` in m/s, so that standing still has a scale.
-const SMALLEST_SCALE: f64 = 1.0;
-
 impl FollowingModel {
-    /// Fits one model to whole stretches, from three starting points of which the best counts.
+    /// Fits one model to whole stretches.
     ///
     /// # Errors
-    /// [`Error::TooFewStretches`] without stretches, or with less samples than parameters; [`Error::Fit`] where the best
-    /// end point is not one that the method converged to; [`Error::Subject`] for a model of anything else.
+    /// [`Error::TooFewStretches`] without stretches, or with less samples than parameters; [`Error::Fit`] where the model drives
+    /// nowhere with finite errors; [`Error::Subject`] for a model of anything else.
     pub fn fit(kind: ModelKind, stretches: &[&FollowingStretch]) -> Result<FollowingFit, Error> {
         let family = Family::of(kind)?;
-        let samples: usize = stretches.iter().map(|s| compared_samples(s)).sum();
-        if samples < family.parameters.len() {
+        let objective = FollowingObjective::new(stretches);
+        Search::new(family, &objective)?.widely()
+    }
+}
+
+impl Family {
+    pub(super) fn at_bound(&self, values: &[f64]) -> Vec<&'static str> {
+        let named = self.parameters.iter().zip(values);
+        let at_bound = named.filter(|(parameter, value)| {
+            let (bounds, place) = (parameter.bounds(), parameter.place(**value));
+            (place - bounds.lower).min(bounds.upper - place) < AT_BOUND * bounds.width()
+        });
+        at_bound.map(|(parameter, _)| parameter.name).collect()
+    }
+}
+
+/// Free parameters with their sum: the objective, and what the prior adds.
+#[derive(Debug, Clone)]
+pub(super) struct End {
+    pub(super) free: Vec<f64>,
+    pub(super) sum: f64,
+}
+
+/// What is known of parameters besides the stretches: each adds `weight (place − mean)²` to the objective.
+#[derive(Debug, Clone)]
+pub(super) struct Prior {
+    pub(super) mean: Vec<f64>,
+    pub(super) weight: Vec<f64>,
+}
+
+/// Looks for the parameters of a model with the least objective.
+pub(super) struct Search<'a> {
+    pub(super) family: &'static Family,
+    pub(super) objective: &'a FollowingObjective<'a>,
+    pub(super) prior: Option<&'a Prior>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        family: &'static Family,
+        objective: &'a FollowingObjective<'a>,
+    ) -> Result<Self, Error> {
+        let (found, needed) = (objective.samples(), family.parameters.len());
+        if found < needed {
             return Err(Error::TooFewStretches {
-                found: samples,
-                needed: family.parameters.len(),
+                found,
+                needed,
                 unit: "half seconds behind a vehicle (lead_gap_m) to learn from",
             });
         }
-        let ends: Vec<End> = family
-            .starts
-            .par_iter()
-            .map(|start| Problem::new(family, start, stretches).solve())
-            .collect();
-        let failure = |reason: String| Error::Fit {
-            model: kind.name(),
-            reason,
-        };
-        let best = ends
-            .into_iter()
-            .filter(|end| end.half_sum.is_finite())
-            .min_by(|a, b| a.half_sum.total_cmp(&b.half_sum))
-            .ok_or_else(|| failure("no finite sum of squares from any starting point".into()))?;
-        if let Some(reason) = best.unconverged {
-            return Err(failure(reason));
-        }
-        Ok(FollowingFit {
-            model: (family.model)(&best.values),
-            mean_square: 2.0 * best.half_sum / samples as f64,
-            stretches: stretches.len(),
-            at_bound: family
-                .parameters
-                .iter()
-                .zip(&best.values)
-                .filter(|(parameter, value)| parameter.is_at_bound(**value))
-                .map(|(parameter, _)| parameter.name)
-                .collect(),
+        Ok(Self {
+            family,
+            objective,
+            prior: None,
         })
     }
-}
 
-impl Parameter {
-    fn bounds(&self) -> Bounds {
-        Bounds {
-            lower: self.lower,
-            upper: self.upper,
+    /// The fit from everywhere.
+    fn widely(&self) -> Result<FollowingFit, Error> {
+        self.from(&self.starts())
+    }
+
+    /// The fit from some places.
+    pub(super) fn from(&self, starts: &[Vec<f64>]) -> Result<FollowingFit, Error> {
+        let values = self.best(starts)?;
+        let model = (self.family.model)(&values);
+        Ok(FollowingFit {
+            model,
+            mean_square: self.objective.mean_square(&model),
+            stretches: self.objective.stretches(),
+            at_bound: self.family.at_bound(&values),
+        })
+    }
+
+    /// The starting points of the model and the best of the design.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let dimensions = self.family.parameters.len();
+        let mut design: Vec<End> = (0..DESIGN * dimensions)
+            .into_par_iter()
+            .map(|k| self.at(design_point(k, dimensions)))
+            .collect();
+        design.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        let own = self
+            .family
+            .starts
+            .iter()
+            .map(|start| self.family.free(start));
+        let best = design.into_iter().take(DESCENTS).map(|end| end.free);
+        own.chain(best).collect()
+    }
+
+    /// Values of the least sum that is found from so many places.
+    fn best(&self, starts: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
+        let mut ends: Vec<End> = starts.par_iter().map(|start| self.descend(start)).collect();
+        ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        ends.dedup_by(|next, kept| next.sum - kept.sum < SAME * kept.sum);
+        ends.truncate(POLISHED);
+        let polished: Vec<End> = ends
+            .into_par_iter()
+            .map(|end| polish(end, |free| self.sum(free)))
+            .collect();
+        let best = polished.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum));
+        match best {
+            Some(end) if end.sum.is_finite() => Ok(self.family.values(&end.free)),
+            _ => Err(Error::Fit {
+                model: (self.family.model)(self.family.starts[0]).kind().name(),
+                reason: "no finite sum of squares from any starting point".into(),
+            }),
         }
     }
 
-    fn is_at_bound(&self, value: f64) -> bool {
-        (value - self.lower).min(self.upper - value) < AT_BOUND * self.bounds().width()
-    }
-}
-
-/// Where the method ended from one starting point.
-struct End {
-    values: Vec<f64>,
-    half_sum: f64,
-    unconverged: Option<String>,
-}
-
-struct Problem<'a> {
-    family: &'static Family,
-    stretches: &'a [&'a FollowingStretch],
-    /// `S` and `V` per stretch.
-    scales: Vec<(f64, f64)>,
-    free: DVector<f64>,
-}
-
-impl<'a> Problem<'a> {
-    fn new(family: &'static Family, start: &[f64], stretches: &'a [&'a FollowingStretch]) -> Self {
-        let parameters = family.parameters;
-        let starts = parameters.iter().zip(start);
-        let free = starts.map(|(parameter, value)| parameter.bounds().free(*value));
-        let scale = |values: &[f64]| root_mean_square(values).max(SMALLEST_SCALE);
-        Self {
-            family,
-            stretches,
-            scales: stretches
-                .iter()
-                .map(|s| (scale(s.gap_m()), scale(s.speed_mps())))
-                .collect(),
-            free: DVector::from_iterator(parameters.len(), free),
-        }
+    fn at(&self, free: Vec<f64>) -> End {
+        let sum = self.sum(&free);
+        End { free, sum }
     }
 
-    fn solve(self) -> End {
+    fn sum(&self, free: &[f64]) -> f64 {
+        let model = (self.family.model)(&self.family.values(free));
+        let of_prior = self
+            .prior_residuals(free)
+            .map(|residual| residual * residual);
+        self.objective.mean_square(&model) + of_prior.sum::<f64>()
+    }
+
+    fn prior_residuals(&self, free: &[f64]) -> impl Iterator<Item = f64> {
+        let prior = self
+            .prior
+            .into_iter()
+            .flat_map(|prior| prior.mean.iter().zip(&prior.weight));
+        let places = self.family.places(free).into_iter();
+        prior
+            .zip(places)
+            .map(|((mean, weight), place)| weight.sqrt() * (place - mean))
+    }
+
+    /// Where Levenberg and Marquardt's method ends.
+    pub(super) fn descend(&self, start: &[f64]) -> End {
         let solver = LevenbergMarquardt::new()
             .with_ftol(TOLERANCE)
             .with_xtol(TOLERANCE)
             .with_gtol(TOLERANCE)
             .with_patience(PATIENCE);
-        let (solved, report) = solver.minimize(self);
-        End {
-            values: solved.values(),
-            half_sum: report.objective_function,
-            unconverged: unconverged(&report.termination),
-        }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        self.family
-            .parameters
-            .iter()
-            .zip(self.free.iter())
-            .map(|(parameter, free)| parameter.bounds().value(*free))
-            .collect()
-    }
-
-    /// Relative errors of gap and speed, one after the other.
-    fn residuals_at(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let model = (self.family.model)(values);
-        let mut residuals = Vec::new();
-        for (stretch, (gap_scale_m, speed_scale_mps)) in self.stretches.iter().zip(&self.scales) {
-            let every = compare_every(stretch);
-            let measured = stretch.gap_m().iter().zip(stretch.speed_mps());
-            let mut measured = measured.enumerate();
-            model.drive(stretch, |speed_mps, gap_m| {
-                if let Some((k, (measured_m, measured_mps))) = measured.next()
-                    && k % every == 0
-                    && k > 0
-                {
-                    residuals.push((gap_m - measured_m) / gap_scale_m);
-                    residuals.push((speed_mps - measured_mps) / speed_scale_mps);
-                }
-            });
-        }
-        let finite = residuals.iter().all(|residual| residual.is_finite());
-        finite.then_some(residuals)
+        let (solved, _) = solver.minimize(Descent {
+            search: self,
+            free: DVector::from_column_slice(start),
+        });
+        self.at(solved.free.as_slice().to_vec())
     }
 }
 
-fn compare_every(stretch: &FollowingStretch) -> usize {
-    (COMPARE_STEP_S / stretch.step_s()).round().max(1.0) as usize
+/// Point `k` of a low-discrepancy design in free parameters: multiples of the powers of the root of `x^(d+1) = x + 1`, by their
+/// fractions.
+fn design_point(k: usize, dimensions: usize) -> Vec<f64> {
+    let mut root: f64 = 1.5;
+    for _ in 0..40 {
+        root = (1.0 + root).powf(1.0 / (dimensions as f64 + 1.0));
+    }
+    (1..=dimensions)
+        .map(|j| {
+            let share = (0.5 + (k + 1) as f64 / root.powi(j as i32)).fract();
+            (2.0 * share - 1.0).asin()
+        })
+        .collect()
 }
 
-/// The first sample is where the simulation starts and not compared.
-fn compared_samples(stretch: &FollowingStretch) -> usize {
-    (stretch.speed_mps().len() - 1) / compare_every(stretch)
+struct Descent<'a> {
+    search: &'a Search<'a>,
+    free: DVector<f64>,
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+impl Descent<'_> {
+    fn residuals_at(&self, free: &[f64]) -> Option<Vec<f64>> {
+        let family = self.search.family;
+        let model = (family.model)(&family.values(free));
+        let objective = self.search.objective;
+        let mut residuals = objective.residuals(&model)?;
+        let root = (objective.samples() as f64).sqrt();
+        residuals.extend(
+            self.search
+                .prior_residuals(free)
+                .map(|residual| root * residual),
+        );
+        Some(residuals)
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Descent<'_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -210,25 +260,19 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        self.residuals_at(&self.values()).map(DVector::from_vec)
+        self.residuals_at(self.free.as_slice())
+            .map(DVector::from_vec)
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let values = self.values();
-        let here = self.residuals_at(&values)?;
-        let mut jacobian = DMatrix::zeros(here.len(), values.len());
-        for (k, parameter) in self.family.parameters.iter().enumerate() {
-            // Inward from the upper bound.
-            let bounds = parameter.bounds();
-            let step = DIFFERENCE * bounds.width();
-            let inward = values[k] + step > parameter.upper;
-            let step = if inward { -step } else { step };
-            let mut moved = values.clone();
-            moved[k] += step;
+        let here = self.residuals_at(self.free.as_slice())?;
+        let mut jacobian = DMatrix::zeros(here.len(), self.free.len());
+        for k in 0..self.free.len() {
+            let mut moved = self.free.as_slice().to_vec();
+            moved[k] += DIFFERENCE;
             let there = self.residuals_at(&moved)?;
-            let slope = bounds.slope(self.free[k]) / step;
             for ((place, here), there) in jacobian.column_mut(k).iter_mut().zip(&here).zip(&there) {
-                *place = slope * (there - here);
+                *place = (there - here) / DIFFERENCE;
             }
         }
         Some(jacobian)

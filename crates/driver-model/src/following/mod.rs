@@ -23,17 +23,23 @@
 //!   A 419 (2015), 183–195 (the ballistic update).
 
 mod constant_time_gap;
+mod drivers;
 mod fit;
 mod idm;
+mod objective;
+mod polish;
 mod simulation;
 mod stretch;
 
 pub use constant_time_gap::ConstantTimeGap;
+pub use drivers::FollowingPopulation;
 pub use fit::FollowingFit;
 pub use idm::Idm;
+pub use objective::FollowingObjective;
 pub use simulation::{FollowingErrors, SimulatedFollowing};
 pub use stretch::{FollowingSettings, FollowingStretch, following_stretches};
 
+use ev_energy::calibration::Bounds;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, ModelKind, Subject};
@@ -49,6 +55,25 @@ struct Parameter {
     name: &'static str,
     lower: f64,
     upper: f64,
+}
+
+impl Parameter {
+    /// Where it is sought: by its logarithm.
+    fn place(&self, value: f64) -> f64 {
+        if self.lower > 0.0 { value.ln() } else { value }
+    }
+
+    fn value(&self, place: f64) -> f64 {
+        let value = if self.lower > 0.0 { place.exp() } else { place };
+        value.clamp(self.lower, self.upper)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            lower: self.place(self.lower),
+            upper: self.place(self.upper),
+        }
+    }
 }
 
 const fn parameter(name: &'static str, lower: f64, upper: f64) -> Parameter {
@@ -91,8 +116,8 @@ const IDM: Family = Family {
 const CONSTANT_TIME_GAP: Family = Family {
     parameters: &[
         parameter("time_gap_s", 0.1, 5.0),
-        parameter("standstill_gap_m", 0.5, 8.0),
-        parameter("gap_gain_per_s", 0.01, 5.0),
+        parameter("standstill_gap_m", -20.0, 20.0),
+        parameter("gap_gain_per_s", 0.0001, 5.0),
     ],
     starts: [&[1.4, 2.0, 0.2], &[0.7, 3.0, 0.5], &[2.2, 5.0, 0.1]],
     model: |values| {
@@ -115,6 +140,28 @@ impl Family {
             ModelKind::ConstantTimeGap => Ok(&CONSTANT_TIME_GAP),
             _ => Err(Error::not_of(Subject::Following, kind)),
         }
+    }
+
+    /// Free parameters of values: without bounds, for methods that know none.
+    fn free(&self, values: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(values);
+        named
+            .map(|(p, value)| p.bounds().free(p.place(*value)))
+            .collect()
+    }
+
+    /// Places of free parameters.
+    fn places(&self, free: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(free);
+        named.map(|(p, free)| p.bounds().value(*free)).collect()
+    }
+
+    /// Values of free parameters.
+    fn values(&self, free: &[f64]) -> Vec<f64> {
+        let named = self.parameters.iter().zip(free);
+        named
+            .map(|(p, free)| p.value(p.bounds().value(*free)))
+            .collect()
     }
 }
 
@@ -187,7 +234,7 @@ impl FollowingModel {
                 let left = 1.0 - (speed_mps / desired_speed_mps).powi(4);
                 (left > 0.0).then(|| wanted_m / left.sqrt())
             }
-            Self::ConstantTimeGap(law) => Some(law.standstill_gap_m + law.time_gap_s * speed_mps),
+            Self::ConstantTimeGap(law) => Some(law.wanted_gap_m(speed_mps)),
         }
     }
 

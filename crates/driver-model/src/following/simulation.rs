@@ -1,6 +1,7 @@
 use serde::Serialize;
 
 use super::{FollowingModel, FollowingStretch, SMALLEST_GAP_M};
+use crate::statistics::mean;
 
 /// What a model makes of a stretch.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,29 +61,44 @@ impl FollowingModel {
     }
 
     /// Calls `visit` with speed and gap at every sample; the number of collisions.
-    pub(super) fn drive(
-        &self,
-        stretch: &FollowingStretch,
-        mut visit: impl FnMut(f64, f64),
-    ) -> usize {
-        let lead_mps = stretch.lead_speed_mps();
-        let half_step_s = 0.5 * stretch.step_s();
-        let (mut speed_mps, mut gap_m) = (stretch.speed_mps()[0].max(0.0), stretch.gap_m()[0]);
-        let (mut collisions, mut collided) = (0, false);
-        visit(speed_mps, gap_m);
-        for pair in lead_mps.windows(2) {
-            let accel_mps2 = self.accel_mps2(speed_mps, gap_m, pair[0]);
-            let next_mps = (speed_mps + accel_mps2 * stretch.step_s()).max(0.0);
-            gap_m += half_step_s * (pair[0] + pair[1] - speed_mps - next_mps);
-            speed_mps = next_mps;
-            let ran_into = gap_m <= 0.0;
-            collisions += usize::from(ran_into && !collided);
-            collided = ran_into || (collided && gap_m <= SMALLEST_GAP_M);
-            gap_m = gap_m.max(SMALLEST_GAP_M);
-            visit(speed_mps, gap_m);
+    pub(super) fn drive(&self, stretch: &FollowingStretch, visit: impl FnMut(f64, f64)) -> usize {
+        // One loop per law: what depends on parameters alone is computed once.
+        match self {
+            Self::Idm {
+                idm,
+                desired_speed_mps,
+            } => drive(stretch, visit, |speed_mps, gap_m, lead_mps| {
+                idm.accel_mps2(speed_mps, *desired_speed_mps, gap_m, lead_mps)
+            }),
+            Self::ConstantTimeGap(law) => drive(stretch, visit, |speed_mps, gap_m, lead_mps| {
+                law.accel_mps2(speed_mps, gap_m, lead_mps)
+            }),
         }
-        collisions
     }
+}
+
+fn drive(
+    stretch: &FollowingStretch,
+    mut visit: impl FnMut(f64, f64),
+    accel_mps2: impl Fn(f64, f64, f64) -> f64,
+) -> usize {
+    let lead_mps = stretch.lead_speed_mps();
+    let half_step_s = 0.5 * stretch.step_s();
+    let (mut speed_mps, mut gap_m) = (stretch.speed_mps()[0].max(0.0), stretch.gap_m()[0]);
+    let (mut collisions, mut collided) = (0, false);
+    visit(speed_mps, gap_m);
+    for pair in lead_mps.windows(2) {
+        let accel_mps2 = accel_mps2(speed_mps, gap_m, pair[0]);
+        let next_mps = (speed_mps + accel_mps2 * stretch.step_s()).max(0.0);
+        gap_m += half_step_s * (pair[0] + pair[1] - speed_mps - next_mps);
+        speed_mps = next_mps;
+        let ran_into = gap_m <= 0.0;
+        collisions += usize::from(ran_into && !collided);
+        collided = ran_into || (collided && gap_m <= SMALLEST_GAP_M);
+        gap_m = gap_m.max(SMALLEST_GAP_M);
+        visit(speed_mps, gap_m);
+    }
+    collisions
 }
 
 fn rmse(found: &[f64], measured: &[f64]) -> f64 {
@@ -94,6 +110,7 @@ fn rmse(found: &[f64], measured: &[f64]) -> f64 {
     (squares / measured.len() as f64).sqrt()
 }
 
-pub(super) fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+pub(super) fn root_mean_square<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let squares = values.into_iter().map(|value| value * value);
+    mean(squares).unwrap_or(0.0).sqrt()
 }

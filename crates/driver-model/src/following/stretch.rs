@@ -69,6 +69,36 @@ impl FollowingStretch {
         &self.gap_m
     }
 
+    /// Who drives: the part of the log's name behind `#`, which is the vehicle of a platoon, and otherwise the log.
+    #[must_use]
+    pub fn driver(&self) -> &str {
+        self.log.split_once('#').map_or(&self.log, |(_, part)| part)
+    }
+
+    /// Cut into pieces of about so many seconds, at least two, that share the samples they are cut at; none below three samples.
+    #[must_use]
+    pub fn pieces(&self, duration_s: f64) -> Vec<Self> {
+        let steps = self.speed_mps.len() - 1;
+        let wanted = (self.duration_s() / duration_s).round() as usize;
+        let pieces = wanted.clamp(2, steps.max(2));
+        let cut = |piece: usize| self.cut(piece * steps / pieces..(piece + 1) * steps / pieces + 1);
+        if steps < 2 {
+            return Vec::new();
+        }
+        (0..pieces).map(cut).collect()
+    }
+
+    fn cut(&self, range: Range<usize>) -> Self {
+        Self {
+            log: self.log.clone(),
+            start_s: self.start_s + range.start as f64 * self.step_s,
+            step_s: self.step_s,
+            speed_mps: self.speed_mps[range.clone()].to_vec(),
+            gap_m: self.gap_m[range.clone()].to_vec(),
+            lead_speed_mps: self.lead_speed_mps[range].to_vec(),
+        }
+    }
+
     /// Speed of the leader at the same samples.
     #[must_use]
     pub fn lead_speed_mps(&self) -> &[f64] {

@@ -1,4 +1,8 @@
-//! Car following held out: the intelligent driver model beside the constant-time-gap law.
+//! Car following held out: the intelligent driver model beside the constant-time-gap law, with parameters for all drivers and
+//! for each.
+
+mod drivers;
+mod rows;
 
 use std::time::Instant;
 
@@ -6,6 +10,9 @@ use driver_model::ModelKind;
 use driver_model::following::{FollowingErrors, FollowingFit, FollowingModel, FollowingStretch};
 use driver_model::statistics::mean;
 use serde::Serialize;
+
+pub use drivers::{DriverComparison, HeldOutPart, PairedDrivers, ParametersOf};
+pub use rows::{FollowingRow, FollowingRows};
 
 use crate::{Error, HoldOut};
 
@@ -91,6 +98,8 @@ pub struct FollowingEvaluation {
     pub held_out_difference: PairedDifference,
     /// By unit.
     pub stretches: Vec<ScoredStretch>,
+    /// Parameters of every driver beside those for all, for drivers that are known from other stretches.
+    pub drivers: Vec<DriverComparison>,
 }
 
 /// Holds each unit out once, fits both models on the others, and simulates the held-out stretches.
@@ -106,14 +115,29 @@ pub fn evaluate_following(
         let unit = "units with a stretch behind a vehicle";
         return Err(crate::error::too_few_stretches(found, unit));
     }
-    let all = Fitted::to(stretches.iter())?;
+    let all = Fitted::to(&stretches.iter().collect::<Vec<_>>())?;
     let folds = hold_out.run(&|| {}, |split| {
-        let fitted = Fitted::to(split.rest().map(|item| &stretches[item]))?;
-        Ok((fitted, split.held_out().collect::<Vec<_>>()))
+        let items: Vec<usize> = split.held_out().collect();
+        let rest: Vec<_> = split.rest().map(|item| &stretches[item]).collect();
+        let own: Vec<_> = items.iter().map(|&item| &stretches[item]).collect();
+        let fitted = Fitted::to(&rest)?;
+        let by_driver = PerFollowingModel {
+            idm: drivers::scored(&fitted.fits.idm, &rest, &own)?,
+            constant_time_gap: drivers::scored(&fitted.fits.constant_time_gap, &rest, &own)?,
+        };
+        Ok((fitted, items, by_driver))
     })?;
     let mut scored = Vec::with_capacity(stretches.len());
     let mut of_folds = Vec::with_capacity(folds.len());
-    for ((fitted, items), unit) in folds.into_iter().zip(hold_out.units()) {
+    let mut by_unit = PerFollowingModel {
+        idm: Vec::new(),
+        constant_time_gap: Vec::new(),
+    };
+    for ((fitted, items, by_driver), unit) in folds.into_iter().zip(hold_out.units()) {
+        by_unit.idm.extend(by_driver.idm);
+        by_unit
+            .constant_time_gap
+            .extend(by_driver.constant_time_gap);
         let own = items.iter().map(|&item| &stretches[item]);
         scored.extend(own.map(|stretch| score(unit, stretch, &fitted, &all)));
         of_folds.push(FollowingFold {
@@ -131,6 +155,7 @@ pub fn evaluate_following(
         folds: of_folds,
         all: all.fits,
         stretches: scored,
+        drivers: drivers::compared(stretches, &by_unit)?,
     })
 }
 
@@ -140,11 +165,10 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn to<'a>(stretches: impl Iterator<Item = &'a FollowingStretch>) -> Result<Self, Error> {
-        let stretches: Vec<&FollowingStretch> = stretches.collect();
+    fn to(stretches: &[&FollowingStretch]) -> Result<Self, Error> {
         let fit = |kind| {
             let clock = Instant::now();
-            let fit = FollowingModel::fit(kind, &stretches)?;
+            let fit = FollowingModel::fit(kind, stretches)?;
             Ok::<_, Error>((fit, clock.elapsed().as_secs_f64()))
         };
         let (idm, idm_seconds) = fit(ModelKind::Idm)?;
@@ -185,20 +209,25 @@ fn summaries(
     of: fn(&ScoredStretch) -> PerFollowingModel<FollowingErrors>,
 ) -> PerFollowingModel<FollowingSummary> {
     let summary = |model: fn(PerFollowingModel<FollowingErrors>) -> FollowingErrors| {
-        let errors: Vec<FollowingErrors> = stretches.iter().map(|s| model(of(s))).collect();
-        let of_all = |figure: fn(&FollowingErrors) -> f64| {
-            mean(errors.iter().map(figure)).unwrap_or(f64::NAN)
-        };
-        FollowingSummary {
-            gap_rmse_m: of_all(|e| e.gap_rmse_m),
-            speed_rmse_mps: of_all(|e| e.speed_rmse_mps),
-            gap_rmse_relative: of_all(|e| e.gap_rmse_relative),
-            collisions: errors.iter().map(|e| e.collisions).sum(),
-        }
+        FollowingSummary::of(stretches.iter().map(|stretch| model(of(stretch))))
     };
     PerFollowingModel {
         idm: summary(|errors| errors.idm),
         constant_time_gap: summary(|errors| errors.constant_time_gap),
+    }
+}
+
+impl FollowingSummary {
+    fn of(errors: impl Iterator<Item = FollowingErrors> + Clone) -> Self {
+        let of_all = |figure: fn(FollowingErrors) -> f64| {
+            mean(errors.clone().map(figure)).unwrap_or(f64::NAN)
+        };
+        Self {
+            gap_rmse_m: of_all(|e| e.gap_rmse_m),
+            speed_rmse_mps: of_all(|e| e.speed_rmse_mps),
+            gap_rmse_relative: of_all(|e| e.gap_rmse_relative),
+            collisions: errors.map(|e| e.collisions).sum(),
+        }
     }
 }
 
