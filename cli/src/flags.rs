@@ -109,7 +109,7 @@ pub(crate) struct LogArgs {
 #[derive(Debug, Clone, Args, Serialize)]
 #[command(next_help_heading = "Logs")]
 pub(crate) struct ReadingArgs {
-    /// Layout of the logs: auto, canonical, bmw-i3, rsk-twizy, openacc, igdir, cycles, or a TOML file
+    /// Layout of the logs: auto, canonical, bmw-i3, rsk-twizy, nds-br, openacc, igdir, cycles, or a TOML file
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
     pub(crate) layout: String,
     /// Sampling interval after resampling, in s

@@ -149,8 +149,15 @@ impl Layout {
                 known: Layout::BUILT_IN.join(", "),
             }),
             LayoutChoice::Auto => {
+                // What is recognised by several headers comes before what is by two.
+                let is_sure = |name: &str| {
+                    let described = DESCRIBED.iter().find(|(known, _, _)| *known == name);
+                    described.is_some_and(|(_, _, further)| !further.is_empty())
+                };
+                let (sure, others): (Vec<_>, Vec<_>) =
+                    Layout::BUILT_IN.into_iter().partition(|name| is_sure(name));
                 let mut layouts = Vec::new();
-                for name in Layout::BUILT_IN {
+                for name in sure.into_iter().chain(others) {
                     layouts.extend(Layout::built_in(name)?);
                 }
                 layouts.push(Layout {

@@ -18,6 +18,7 @@ fn motion(phase: f64) -> Motion {
 fn settings() -> DirectSettings {
     DirectSettings {
         horizons_s: vec![1.0, 3.0],
+        max_samples: 1500,
         ..DirectSettings::default()
     }
 }
