@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::heating_windows::{self, Windows};
 use super::motion::STANDSTILL_MPS;
 use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
@@ -30,7 +31,7 @@ const OFF_W: f64 = 50.0;
 
 /// At standstill the battery gives what heating and auxiliaries take, and no less. A heater claims power
 /// above the first, W; the second is the meters' tolerance, W.
-const CLAIM_W: f64 = 300.0;
+pub(super) const CLAIM_W: f64 = 300.0;
 const TOLERANCE_W: f64 = 200.0;
 
 /// Claims at standstill that decide, s, and the share of them that the battery must contradict.
@@ -187,8 +188,14 @@ pub(super) fn take_request(checked: &mut Checked) {
     {
         return;
     }
-    if let Some(detail) = contradiction(checked, Channel::HeatingRequest) {
-        drop_channel(checked, Channel::HeatingRequest, detail);
+    let windows = heating_windows::judge(checked, Channel::HeatingRequest);
+    if let Some(detail) = contradiction(checked, Channel::HeatingRequest)
+        .or_else(|| windows.as_ref().and_then(Windows::contradiction))
+    {
+        match windows.filter(|windows| !windows.believed.is_empty()) {
+            Some(windows) => take_windows(checked, &windows, &detail),
+            None => drop_channel(checked, Channel::HeatingRequest, detail),
+        }
     } else if let Some(request_w) = checked.log.channels.get(&Channel::HeatingRequest).cloned() {
         checked
             .log
@@ -201,6 +208,32 @@ pub(super) fn take_request(checked: &mut Checked) {
             format!("{} taken in its place", Channel::HeatingRequest),
         );
     }
+}
+
+/// Takes the request in the windows in which the battery delivers it, and none in the others.
+fn take_windows(checked: &mut Checked, windows: &Windows, why: &str) {
+    let Some(request_w) = checked.values(Channel::HeatingRequest) else {
+        return;
+    };
+    let mut heating_w = vec![0.0; request_w.len()];
+    for window in &windows.believed {
+        heating_w[window.clone()].copy_from_slice(&request_w[window.clone()]);
+    }
+    let detail = format!(
+        "{} taken in its place in {} of {} half minutes, in which the battery delivers it; else {why}",
+        Channel::HeatingRequest,
+        windows.believed.len(),
+        windows.asked
+    );
+    let channels = &mut checked.log.channels;
+    channels.insert(Channel::HeatingPower, heating_w);
+    channels.remove(&Channel::HeatingRequest);
+    checked.report_all(
+        FindingKind::Contradicted,
+        Channel::HeatingPower,
+        Action::Replaced,
+        detail,
+    );
 }
 
 fn drop_channel(checked: &mut Checked, channel: Channel, detail: String) {

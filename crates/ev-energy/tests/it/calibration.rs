@@ -47,7 +47,8 @@ fn trips(truth: &Vehicle, count: usize, noise_w: f64) -> Vec<CalibrationTrip> {
                 .map(|(k, point)| point.terminal_power_w + noise(k))
                 .collect();
             let mut measured = CalibrationTrip::default();
-            measured.add(truth, &trip, &power_w).unwrap();
+            let no_torque = vec![f64::NAN; power_w.len()];
+            measured.add(truth, &trip, &power_w, &no_torque).unwrap();
             measured
         })
         .collect()
@@ -61,7 +62,7 @@ fn truth(change: impl FnOnce(&mut VehicleSpec)) -> Vehicle {
     let mut spec = i3().spec().clone();
     spec.mass_kg = 1600.0;
     spec.auxiliary_power_w = 700.0;
-    spec.gear_efficiency = 0.93;
+    spec.gear_efficiency = 0.96;
     spec.weather.winter_rolling_surcharge = 0.4;
     spec.regeneration.max_decel_mps2 = 0.9;
     if let RoadLoadSpec::CoastDown {
@@ -133,7 +134,7 @@ fn the_truth_is_found_again() {
         ("road_load.coast_down.constant_n", 150.0, 3.0),
         ("road_load.coast_down.quadratic_n_per_mps2", 0.3, 0.01),
         ("weather.winter_rolling_surcharge", 0.4, 0.02),
-        ("gear_efficiency", 0.93, 0.002),
+        ("gear_efficiency", 0.96, 0.002),
         ("regeneration.max_decel_mps2", 0.9, 0.01),
     ] {
         assert!(
@@ -239,7 +240,12 @@ fn one_speed_tells_nothing() {
         let mut steady = CalibrationTrip::default();
         let power_w = (1..SAMPLES).map(|k| 15e3 + noise_w * (k as f64).sin());
         steady
-            .add(&i3(), &trip, &power_w.collect::<Vec<_>>())
+            .add(
+                &i3(),
+                &trip,
+                &power_w.collect::<Vec<_>>(),
+                &[f64::NAN; SAMPLES - 1],
+            )
             .unwrap();
         steady
     };
@@ -313,12 +319,17 @@ fn without_measured_power_there_is_nothing_to_fit() {
     };
     let mut blind = CalibrationTrip::default();
     blind
-        .add(&i3(), &trip, &vec![f64::NAN; SAMPLES - 1])
+        .add(
+            &i3(),
+            &trip,
+            &[f64::NAN; SAMPLES - 1],
+            &[f64::NAN; SAMPLES - 1],
+        )
         .unwrap();
     assert_eq!(blind.means(), 0);
     let error = calibrate(&i3(), &[&blind]).unwrap_err();
     assert!(matches!(error, Error::Calibration { .. }), "{error}");
-    let short = blind.add(&i3(), &trip, &[1.0]).unwrap_err();
+    let short = blind.add(&i3(), &trip, &[1.0], &[1.0]).unwrap_err();
     assert!(
         matches!(
             short,
