@@ -4,18 +4,18 @@ use crate::check::Checker;
 use crate::error::Error;
 
 /// Cells to which the power refers: their temperature, °C, and their charge, %.
-const REFERENCE_DEGC: f64 = 10.0;
-const REFERENCE_PCT: f64 = 50.0;
+const REFERENCE_DEGC: f64 = 5.0;
+const REFERENCE_PCT: f64 = 70.0;
 
 /// What cells take: cold ones and full ones less.
 ///
 /// ```text
-/// max(0, power + per K · (T − 10 °C) − per % · (charge − 50 %))
+/// max(0, power + per K · (T − 5 °C) − per % · (charge − 70 %))
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellIntakeSpec {
-    /// Largest shaft power of braking at cells of 10 °C that are half full, W.
+    /// Largest shaft power of braking at cells of 5 °C with 70 % of charge, W.
     pub power_w: f64,
     /// More of it per degree, W/K.
     pub power_w_per_k: f64,
@@ -58,7 +58,7 @@ impl CellIntakeSpec {
 pub struct CellState {
     /// Mean temperature, −60 to 120 °C.
     pub temperature_degc: f64,
-    /// State of charge at the start, 0 to 100 %; half full where it is not known.
+    /// State of charge at the start, 0 to 100 %; 70 % where it is not known.
     pub soc_pct: Option<f64>,
 }
 
@@ -105,10 +105,11 @@ mod tests {
                 soc_pct,
             })
         };
-        assert_eq!(limit_w(10.0, None), 40e3);
-        assert_eq!(limit_w(5.0, Some(50.0)), 20e3);
-        assert_eq!(limit_w(5.0, Some(90.0)), 0.0);
-        assert_eq!(limit_w(5.0, Some(20.0)), 35e3);
+        assert_eq!(limit_w(5.0, None), 40e3);
+        assert_eq!(limit_w(0.0, Some(70.0)), 20e3);
+        assert_eq!(limit_w(0.0, Some(100.0)), 5e3);
+        assert_eq!(limit_w(-10.0, Some(100.0)), 0.0);
+        assert_eq!(limit_w(5.0, Some(40.0)), 55e3);
         assert!(
             CellIntakeSpec::default().limit_w(CellState {
                 temperature_degc: -60.0,

@@ -18,6 +18,9 @@ struct Parameter {
     needs: Needs,
 }
 
+/// Where a fit begins of what the vehicle does not have, as a share of the width of the bounds.
+const BEGIN_SHARE: f64 = 0.25;
+
 /// What trips must have beside power for a parameter to have an effect, or to be told from others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Needs {
@@ -189,7 +192,7 @@ const PARAMETERS: [Parameter; 22] = [
         key: "regeneration.cells.power_w",
         unit: "W",
         value: |spec| Some(&mut cells(spec).power_w),
-        bounds: |_| (5e3, 80e3),
+        bounds: |_| (1e3, 100e3),
         needs: Needs::Cells,
     },
     Parameter {
@@ -268,12 +271,12 @@ impl Bounded {
         }
     }
 
-    /// Where a fit begins: in the middle, where the vehicle has a value that is none of a limit.
+    /// Where a fit begins: well within the bounds, where the vehicle has a value that stands for none.
     pub(crate) fn begin(&self) -> f64 {
-        if (self.lower..=self.upper).contains(&self.start) {
+        if self.start > self.lower && self.start < self.upper {
             self.start
         } else {
-            0.5 * (self.lower + self.upper)
+            self.lower + BEGIN_SHARE * self.width()
         }
     }
 
@@ -289,11 +292,14 @@ pub(crate) fn with_values(
     parameters: &[Bounded],
     values: &[f64],
 ) -> VehicleSpec {
+    let wheel_radius_m = spec.wheel_radius_m;
     let mut spec = spec.clone();
     for (bounded, value) in parameters.iter().zip(values) {
         if let Some(place) = (bounded.parameter.value)(&mut spec) {
             *place = *value;
         }
     }
+    // A motor that turns faster on a smaller wheel was not asked for a lower top speed.
+    spec.motor.max_speed_rad_s *= wheel_radius_m / spec.wheel_radius_m;
     spec
 }
