@@ -269,7 +269,7 @@ fn an_elevation_that_stands_still_on_a_hill_that_is_felt() {
         .for_each(|m| *m -= rise_m);
     let felt_mps2 = -0.07 * GRAVITY_MPS2;
     let mut log = changed(&road, Channel::Elevation, |m| {
-        m.copy_from_slice(&elevation_m)
+        m.copy_from_slice(&elevation_m);
     });
     log = changed(&log, Channel::Accelerometer, |a| {
         a[hill.clone()].iter_mut().for_each(|a| *a += felt_mps2);

@@ -156,7 +156,7 @@ fn requested_heating_is_believed_by_half_minutes() {
         Action::Replaced,
     );
     let silent = changed(&half_delivered(), Channel::HeatingPower, |heating| {
-        heating.fill(0.0)
+        heating.fill(0.0);
     });
     for log in [half_delivered(), silent] {
         let checked = check(log);
