@@ -204,7 +204,7 @@ const PARAMETERS: [Parameter; 22] = [
     },
     Parameter {
         key: "regeneration.cells.power_w_per_soc_pct",
-        unit: "W",
+        unit: "W/%",
         value: |spec| Some(&mut cells(spec).power_w_per_soc_pct),
         bounds: |_| (0.0, 3e3),
         needs: Needs::Cells,
