@@ -2,7 +2,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use driver_eval::calibration::{CalibrationReport, calibrate_vehicle};
+use driver_eval::calibration::{CalibratedCycle, CalibrationReport, calibrate_vehicle};
 use driver_model::energy::EnergyScore;
 use ev_energy::{VehicleSpec, calibration::ParameterEstimate};
 use serde::Serialize;
@@ -19,7 +19,6 @@ use crate::progress::Progress;
 use crate::render::json::Document;
 use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
-use crate::words::plural;
 
 /// Fit a vehicle to measured battery power, and say how far to trust it
 ///
@@ -42,6 +41,9 @@ pub(crate) struct CalibrateArgs {
     /// Slopes are smoothed over this distance to either side, in m
     #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     slope_bandwidth: f64,
+    /// Take the car for warm at the start of every log, which is else taken for a cold start
+    #[arg(long)]
+    warm_start: bool,
     /// Vehicle file to write
     #[arg(long, short, value_name = "FILE.toml")]
     #[serde(skip)]
@@ -63,14 +65,14 @@ pub(crate) fn run(args: &CalibrateArgs, context: &Context) -> anyhow::Result<Out
     let motions = motions(&inputs, args.slope_bandwidth)?;
     let progress = Progress::new(context, "fitting", inputs.len() + 1);
     progress.show();
-    let report = calibrate_vehicle(&motions, &start, &|| progress.step())?;
+    let report = calibrate_vehicle(&motions, &start, args.warm_start, &|| progress.step())?;
     drop(progress);
     left_out::mention(&report.left_out_drives, context);
-    if let Some(kept) = kept(&report) {
+    if let Some(kept) = report.kept() {
         output::note(context, &kept);
     }
     let spec = vehicle_file(&args.output, &report);
-    let file = comments(&start.spec().name, &report) + &spec.to_toml()?;
+    let file = report.comments(&start.spec().name) + &spec.to_toml()?;
     output::write_file(&args.output, |out| Ok(out.write_all(file.as_bytes())?))?;
     output::note(
         context,
@@ -114,46 +116,6 @@ fn vehicle_file(file: &Path, report: &CalibrationReport) -> VehicleSpec {
     spec
 }
 
-/// Which parameters keep their values, in one line.
-fn kept(report: &CalibrationReport) -> Option<String> {
-    let keys: Vec<&str> = report.untold().map(|parameter| parameter.key).collect();
-    (!keys.is_empty()).then(|| {
-        let of = plural(report.parameters.len(), "parameter");
-        format!(
-            "not told by these trips, keep their values: {} of {of}, {}",
-            keys.len(),
-            keys.join(", ")
-        )
-    })
-}
-
-/// The head of a vehicle file: what was not told, and why.
-fn comments(start: &str, report: &CalibrationReport) -> String {
-    let mut lines = format!(
-        "# Calibrated from {start} to {}.\n",
-        plural(report.trips.len(), "trip")
-    );
-    for parameter in report.untold() {
-        let ParameterEstimate {
-            key,
-            start,
-            tried,
-            remark,
-            ..
-        } = parameter;
-        let tried = tried.map_or_else(String::new, |tried| format!(" (a fit made it {tried:.6})"));
-        let _ = writeln!(lines, "# {key} is still {start}{tried}; {remark}.");
-    }
-    for left_out in &report.left_out_drives {
-        let _ = writeln!(
-            lines,
-            "# {} is left out: {}.",
-            left_out.log, left_out.reason
-        );
-    }
-    lines + "\n"
-}
-
 fn text(report: &CalibrationReport) -> String {
     let mut text = parameters(&report.parameters).render();
     let mut scores = Table::new([
@@ -194,7 +156,33 @@ fn text(report: &CalibrationReport) -> String {
         ]);
     }
     let _ = write!(text, "\n{}", trips.render());
+    if !report.cycles.is_empty() {
+        let _ = write!(text, "\n{}", cycles(&report.cycles).render());
+    }
     text
+}
+
+/// At the wall, warm, at 20 °C.
+fn cycles(cycles: &[CalibratedCycle]) -> Table {
+    let mut table = Table::new([
+        "kWh/100 km at the wall",
+        "published",
+        "fitted",
+        "error %",
+        "with mass and road load from before",
+        "its error %",
+    ]);
+    for cycle in cycles {
+        table.row([
+            cycle.cycle.to_owned(),
+            number(cycle.published_kwh_per_100km, 2),
+            number(cycle.fitted_kwh_per_100km, 2),
+            number(cycle.fitted_error_pct, 1),
+            number(cycle.load_before_kwh_per_100km, 2),
+            number(cycle.load_before_error_pct, 1),
+        ]);
+    }
+    table
 }
 
 /// The parameters, those with the largest effect first.

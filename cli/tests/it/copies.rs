@@ -146,7 +146,7 @@ fn copies_of_a_simulated_drive_come_to_the_same() {
 
 /// The recorded drive in the words of the canonical layout.
 fn recorded(path: &Path) -> Table {
-    const HEADERS: [(&str, &str); 12] = [
+    const HEADERS: [(&str, &str); 13] = [
         ("Time [s]", "time_s"),
         ("Velocity [km/h]", "speed_kmh"),
         ("Longitudinal Acceleration [m/s^2]", "accelerometer_mps2"),
@@ -159,6 +159,7 @@ fn recorded(path: &Path) -> Table {
         ("Heating Power CAN [kW]", "heating_power_kw"),
         ("Requested Heating Power [W]", "heating_request_w"),
         ("Ambient Temperature [°C]", "ambient_temperature_degc"),
+        ("Battery Temperature [°C]", "battery_temperature_degc"),
     ];
     let latin_1: String = fs::read(path)
         .unwrap()

@@ -47,11 +47,13 @@ pub enum Channel {
     HeatingRequest,
     /// Temperature of the air outside, °C.
     AmbientTemperature,
+    /// Temperature of the cells of the battery, °C.
+    BatteryTemperature,
 }
 
 impl Channel {
     /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
-    pub const ALL: [Channel; 19] = [
+    pub const ALL: [Channel; 20] = [
         Channel::Speed,
         Channel::Accel,
         Channel::SpeedLimit,
@@ -71,6 +73,7 @@ impl Channel {
         Channel::HeatingPower,
         Channel::HeatingRequest,
         Channel::AmbientTemperature,
+        Channel::BatteryTemperature,
     ];
 
     /// The canonical header: what the channel is and its unit, `speed_mps`.
@@ -96,6 +99,7 @@ impl Channel {
             Channel::HeatingPower => "heating_power_w",
             Channel::HeatingRequest => "heating_request_w",
             Channel::AmbientTemperature => "ambient_temperature_degc",
+            Channel::BatteryTemperature => "battery_temperature_degc",
         }
     }
 
@@ -125,7 +129,7 @@ impl Channel {
             Channel::StateOfCharge | Channel::AcceleratorPedal | Channel::Brake => Quantity::Share,
             Channel::MotorTorque => Quantity::Torque,
             Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => Quantity::Power,
-            Channel::AmbientTemperature => Quantity::Temperature,
+            Channel::AmbientTemperature | Channel::BatteryTemperature => Quantity::Temperature,
         }
     }
 }

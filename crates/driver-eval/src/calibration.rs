@@ -1,5 +1,8 @@
 //! A vehicle fitted to drives, and judged on each with that one left out.
 
+mod cycles;
+mod words;
+
 use driver_model::energy::{EnergyInput, EnergyScore};
 use driver_model::{Error as ModelError, LeftOut, Motion, motion};
 use ev_energy::{
@@ -13,6 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::{Error, HoldOut, Split};
+pub use cycles::CalibratedCycle;
 
 /// A drive must have measured power for this long: every drive weighs the same.
 const SHORTEST_S: f64 = 60.0;
@@ -38,6 +42,8 @@ pub struct CalibrationReport {
     pub summary: CalibrationSummary,
     /// Model minus measured power of the fitted vehicle.
     pub residuals: Residuals,
+    /// Standard cycles for which the vehicle file has published consumption.
+    pub cycles: Vec<CalibratedCycle>,
     /// Drives that cannot be calibrated to, which were left out.
     pub left_out_drives: Vec<LeftOut>,
 }
@@ -135,7 +141,7 @@ pub struct ResidualBin {
 
 /// Fits a vehicle to the measured power of drives and leaves out one trip after the other, until the trips tell every parameter that
 /// is fitted; the others keep their values. Drives with less than a minute of measured power, or with measured energy that is negative
-/// on the whole, are left out. `finished` is called after every fold, as often as there are drives or a multiple of it, and once before.
+/// on the whole, are left out. The start of a drive is taken for a cold start, or with `warm_start` for that of a warm car. `finished` is called after every fold, as often as there are drives or a multiple of it, and once before.
 /// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.
 ///
 /// # Errors
@@ -143,12 +149,13 @@ pub struct ResidualBin {
 pub fn calibrate_vehicle(
     motions: &[Motion],
     vehicle: &Vehicle,
+    warm_start: bool,
     finished: &(dyn Fn() + Sync),
 ) -> Result<CalibrationReport, Error> {
     let drives: Vec<&[Motion]> = motion::drives(motions).collect();
     let measured: Vec<MeasuredDrive> = drives
         .into_par_iter()
-        .map(|motions| MeasuredDrive::of(motions, vehicle))
+        .map(|motions| MeasuredDrive::of(motions, vehicle, warm_start))
         .collect::<Result<_, Error>>()?;
     let (measured, left_out_drives) = usable(measured)?;
     let trips: Vec<&CalibrationTrip> = measured.iter().map(|drive| &drive.trip).collect();
@@ -185,6 +192,7 @@ pub fn calibrate_vehicle(
     } = all;
     Ok(CalibrationReport {
         residuals: residuals(&trips, &fitted_vehicle)?,
+        cycles: cycles::cycles(vehicle, &fitted_vehicle)?,
         vehicle: fitted_vehicle,
         correlation: Correlation {
             keys: parameters.iter().map(|parameter| parameter.key).collect(),
@@ -268,13 +276,16 @@ impl MeasuredDrive {
         })
     }
 
-    fn of(motions: &[Motion], vehicle: &Vehicle) -> Result<Self, Error> {
+    fn of(motions: &[Motion], vehicle: &Vehicle, warm_start: bool) -> Result<Self, Error> {
         let mut trip = CalibrationTrip::default();
         let mut ambient_degc = None;
-        for motion in motions {
-            let input = EnergyInput::of(motion);
+        for (motion, input) in motions.iter().zip(EnergyInput::of_drive(motions)) {
             ambient_degc = ambient_degc.or(input.weather.map(|weather| weather.temperature_degc));
-            trip.add(vehicle, &input.trip(), &input.power_w)
+            let mut driven = input.trip();
+            if warm_start {
+                driven.since_cold_start_s = None;
+            }
+            trip.add(vehicle, &driven, &input.power_w, &input.motor_torque_nm)
                 .map_err(|error| ModelError::from(error).in_log(motion.name()))?;
         }
         Ok(Self {

@@ -46,9 +46,15 @@ impl PowerAverager {
     }
 
     /// Adds a step, with the measured terminal power in W, NaN where there is none. Calls `visit` with every mean that is complete.
-    pub fn add(
+    pub fn add(&mut self, point: &OperatingPoint, measured_w: f64, visit: impl FnMut(&PowerMean)) {
+        self.add_step(point.speed_mps, point.terminal_power_w, measured_w, visit);
+    }
+
+    /// As [`Self::add`], for a speed and a power of a model.
+    pub(crate) fn add_step(
         &mut self,
-        point: &OperatingPoint,
+        speed_mps: f64,
+        modelled_w: f64,
         measured_w: f64,
         mut visit: impl FnMut(&PowerMean),
     ) {
@@ -58,8 +64,8 @@ impl PowerAverager {
             self.is_measured = is_measured;
         }
         self.steps += 1;
-        self.speed_mps += point.speed_mps;
-        self.modelled_w += point.terminal_power_w;
+        self.speed_mps += speed_mps;
+        self.modelled_w += modelled_w;
         self.measured_w += measured_w;
         if self.steps == self.steps_per_mean {
             self.finish(&mut visit);

@@ -50,6 +50,7 @@
 
 mod battery;
 pub mod calibration;
+mod cells;
 mod check;
 pub mod comparison;
 mod cycle;
@@ -65,9 +66,11 @@ mod trip;
 mod trip_energy;
 mod vehicle;
 mod vehicle_check;
+mod warm_up;
 mod weather;
 
 pub use battery::{Battery, BatteryDraw, BatterySpec, VoltageCurveSpec};
+pub use cells::{CellIntakeSpec, CellState};
 pub use cycle::Cycle;
 pub use error::Error;
 pub use grade::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_accelerometer, slope_from_elevation};
@@ -81,6 +84,7 @@ pub use vehicle::{
     CalibrationRecord, Confidence, Consumption, ConsumptionUse, Source, Vehicle, VehicleSpec,
 };
 pub use vehicle_check::{ConsumptionCheck, VehicleCheck};
+pub use warm_up::WarmUpSpec;
 pub use weather::{Weather, WeatherSpec};
 
 /// Gravitational acceleration `g`, m/s², rounded; standard gravity, 9.80665 m/s², is 0.03 % less.

@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use crate::cells::CellIntakeSpec;
 use crate::check::Checker;
 use crate::error::Error;
 use crate::loss_table::{LossTable, LossTableSpec};
@@ -23,7 +24,9 @@ pub struct MotorSpec {
     pub loss_table: Option<LossTableSpec>,
 }
 
-/// `P_loss = k_c T² + (1 − s)(k_i |ω| + k_w |ω|³) + k_0`, and 0 at `T = ω = 0`.
+/// `P_loss = k_c T² + (1 − s)(k_i |ω| + k_w |ω|³) + k_0 + k_f max(0, 1 − ω_f/|ω|)`, and 0 at `T = ω = 0`.
+///
+/// The last term is the current that weakens the field where the motor turns faster than its voltage allows: no coast-down has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorLossSpec {
@@ -38,6 +41,24 @@ pub struct MotorLossSpec {
     /// Share `s` of the spin loss (iron and windage) that the road load contains already, 0 to 1.
     /// A coast-down turns the motor along: with permanent magnets the share is near 1.
     pub spin_share_in_road_load: f64,
+    /// Loss by field weakening `k_f`, W.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub weakening_w: f64,
+    /// Where it begins: `ω_f` as a share of the highest speed of the motor, 1.
+    #[serde(default = "half", skip_serializing_if = "is_half")]
+    pub weakening_from_share: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    value.to_bits() == 0
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn is_half(value: &f64) -> bool {
+    value.to_bits() == half().to_bits()
 }
 
 /// Regeneration section of a vehicle file.
@@ -54,6 +75,9 @@ pub struct RegenerationSpec {
     pub fade_end_mps: f64,
     /// Largest deceleration of the effective mass by regeneration, m/s².
     pub max_decel_mps2: f64,
+    /// What the cells take; whatever comes without the section.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cells: Option<CellIntakeSpec>,
 }
 
 /// Electric motor with inverter: torque limits and losses.
@@ -83,12 +107,18 @@ struct LossFormula {
     iron_w_per_rad_s: f64,
     windage_w_per_rad3_s3: f64,
     constant_w: f64,
+    weakening_w: f64,
+    weakening_from_rad_s: f64,
 }
 
 impl Loss {
     fn new(spec: &MotorSpec, check: &Checker) -> Result<Self, Error> {
         match (&spec.loss, &spec.loss_table) {
-            (Some(formula), None) => Ok(Self::Formula(LossFormula::new(formula, check)?)),
+            (Some(formula), None) => Ok(Self::Formula(LossFormula::new(
+                formula,
+                spec.max_speed_rad_s,
+                check,
+            )?)),
             (None, Some(LossTableSpec { table: None, .. })) => Err(check.problem(
                 "motor.loss_table.file",
                 "was not read; read the vehicle from its file",
@@ -118,7 +148,7 @@ impl Loss {
 }
 
 impl LossFormula {
-    fn new(loss: &MotorLossSpec, check: &Checker) -> Result<Self, Error> {
+    fn new(loss: &MotorLossSpec, max_speed_rad_s: f64, check: &Checker) -> Result<Self, Error> {
         let spin = 1.0
             - check.range(
                 "motor.loss.spin_share_in_road_load",
@@ -138,6 +168,14 @@ impl LossFormula {
                     1.0,
                 )?,
             constant_w: range("motor.loss.constant_w", loss.constant_w, 1e5)?,
+            weakening_w: range("motor.loss.weakening_w", loss.weakening_w, 1e6)?,
+            weakening_from_rad_s: max_speed_rad_s
+                * check.range(
+                    "motor.loss.weakening_from_share",
+                    loss.weakening_from_share,
+                    0.05,
+                    1.0,
+                )?,
         })
     }
 
@@ -151,6 +189,7 @@ impl LossFormula {
         self.copper_w_per_nm2 * torque_nm * torque_nm
             + (self.iron_w_per_rad_s + self.windage_w_per_rad3_s3 * speed * speed) * speed
             + constant_w
+            + self.weakening_w * larger(1.0 - self.weakening_from_rad_s * (1.0 / speed), 0.0)
     }
 }
 
@@ -163,6 +202,9 @@ impl Motor {
         check: &Checker,
     ) -> Result<Self, Error> {
         let loss = Loss::new(spec, check)?;
+        if let Some(cells) = &regen.cells {
+            cells.check(check)?;
+        }
         let fade_start_mps = check.range(
             "regeneration.fade_start_mps",
             regen.fade_start_mps,
@@ -229,10 +271,22 @@ impl Motor {
     #[must_use]
     #[inline(always)]
     pub fn regeneration_limit_nm(&self, motor_speed_rad_s: f64, speed_mps: f64) -> f64 {
+        self.regeneration_within_nm(motor_speed_rad_s, speed_mps, f64::INFINITY)
+    }
+
+    /// As [`Self::regeneration_limit_nm`], where the cells take no more than a power in W.
+    #[must_use]
+    #[inline(always)]
+    pub(crate) fn regeneration_within_nm(
+        &self,
+        motor_speed_rad_s: f64,
+        speed_mps: f64,
+        cells_w: f64,
+    ) -> f64 {
         let fade = (speed_mps.abs() - self.fade_start_mps) * self.fade_per_mps;
         let by_torque = self.regen_torque_fraction * self.torque_limit_nm(motor_speed_rad_s);
         // A power limit of 0 at standstill is 0/0; `smaller` takes the other operand then.
-        let by_power = self.regen_max_power_w * (1.0 / motor_speed_rad_s.abs());
+        let by_power = smaller(self.regen_max_power_w, cells_w) * (1.0 / motor_speed_rad_s.abs());
         let limit = smaller(smaller(by_power, by_torque), self.regen_decel_torque_nm);
         larger(smaller(fade, 1.0), 0.0) * limit
     }
@@ -271,6 +325,8 @@ mod tests {
                 windage_w_per_rad3_s3: 1e-6,
                 constant_w: 100.0,
                 spin_share_in_road_load,
+                weakening_w: 0.0,
+                weakening_from_share: 0.5,
             }),
             loss_table: None,
         };
@@ -280,6 +336,7 @@ mod tests {
             fade_start_mps: 1.0,
             fade_end_mps: 3.0,
             max_decel_mps2: 2.0,
+            cells: None,
         };
         Motor::new(&spec, &regen, 60.0, &Checker { origin: "test" }).unwrap()
     }
@@ -318,6 +375,30 @@ mod tests {
         let motor = motor(0.0, 0.0);
         assert_eq!(motor.regeneration_limit_nm(0.0, 0.0), 0.0);
         assert_eq!(motor.regeneration_limit_nm(100.0, 10.0), 0.0);
+    }
+
+    #[test]
+    fn cells_that_take_less_limit_regeneration() {
+        let motor = motor(30e3, 0.0);
+        assert_eq!(motor.regeneration_within_nm(400.0, 10.0, 20e3), 50.0);
+        assert_eq!(motor.regeneration_within_nm(400.0, 10.0, 0.0), 0.0);
+        assert_eq!(motor.regeneration_within_nm(0.0, 0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn a_weakened_field_costs_from_its_speed_on() {
+        let loss = MotorLossSpec {
+            copper_w_per_nm2: 0.0,
+            iron_w_per_rad_s: 0.0,
+            windage_w_per_rad3_s3: 0.0,
+            constant_w: 0.0,
+            spin_share_in_road_load: 1.0,
+            weakening_w: 4000.0,
+            weakening_from_share: 0.5,
+        };
+        let formula = LossFormula::new(&loss, 1000.0, &Checker { origin: "test" }).unwrap();
+        let losses = [0.0, 499.0, 500.0, 1000.0].map(|speed| formula.loss_w(10.0, speed));
+        assert_eq!(losses, [0.0, 0.0, 0.0, 2000.0]);
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub struct OperatingPoint {
     pub accel_mps2: f64,
     /// Force on the effective mass, `m_eff a`, N.
     pub inertia_n: f64,
-    /// Rolling resistance (thesis 2.3) or `A cos θ`, N.
+    /// Rolling resistance (thesis 2.3) or `A cos θ`, and that of a car that is cold, N.
     pub rolling_n: f64,
     /// Air drag (thesis 2.4) or `B v + C v²`, N.
     pub aero_n: f64,
@@ -103,8 +103,18 @@ impl Vehicle {
             sin_slope,
             cos_slope,
             auxiliary_power_w: self.spec().auxiliary_power_w,
+            warm_up_n: 0.0,
+            cells_w: f64::INFINITY,
         };
         self.evaluate(&self.road_load, &self.battery.nominal(), &motion)
+    }
+
+    /// Power in W of motor, losses and auxiliaries at a speed in m/s and a torque in N m at the motor shaft.
+    pub(crate) fn power_of_torque_w(&self, speed_mps: f64, torque_nm: f64) -> f64 {
+        let motor_speed_rad_s = speed_mps * self.motor_speed_per_mps;
+        torque_nm * motor_speed_rad_s
+            + self.motor.loss_w(torque_nm, motor_speed_rad_s)
+            + self.spec().auxiliary_power_w
     }
 
     /// Evaluates the model for a motion that is known to be within range.
@@ -121,7 +131,8 @@ impl Vehicle {
         let a = direction * motion.accel_mps2;
 
         let inertia_n = self.effective_mass_kg * a;
-        let rolling_n = road_load.rolling_n(v, motion.cos_slope);
+        let warm_up_n = if v > 0.0 { motion.warm_up_n } else { 0.0 };
+        let rolling_n = road_load.rolling_n(v, motion.cos_slope) + warm_up_n;
         let aero_n = road_load.aero_n(v);
         let grade_n = self.spec().mass_kg * GRAVITY_MPS2 * direction * motion.sin_slope;
         let wheel_force_n = inertia_n + rolling_n + aero_n + grade_n;
@@ -129,8 +140,10 @@ impl Vehicle {
         // The limits are applied at the wheel, where an unlimited force passes through unrounded.
         let motor_speed_rad_s = v * self.motor_speed_per_mps;
         let max_n = self.motor.torque_limit_nm(motor_speed_rad_s) * self.propelling_n_per_nm;
-        let regen_n =
-            self.motor.regeneration_limit_nm(motor_speed_rad_s, v) * self.braking_n_per_nm;
+        let regen_nm = self
+            .motor
+            .regeneration_within_nm(motor_speed_rad_s, v, motion.cells_w);
+        let regen_n = regen_nm * self.braking_n_per_nm;
         let motor_n = larger(smaller(wheel_force_n, max_n), 0.0 - regen_n);
         let friction_brake_n = smaller(wheel_force_n - motor_n, 0.0);
         let shortfall_n = larger(wheel_force_n - motor_n, 0.0);
@@ -184,4 +197,8 @@ pub(crate) struct Motion {
     pub(crate) sin_slope: f64,
     pub(crate) cos_slope: f64,
     pub(crate) auxiliary_power_w: f64,
+    /// Resistance of the car while it is cold, N.
+    pub(crate) warm_up_n: f64,
+    /// Largest shaft power of braking that the cells take, W.
+    pub(crate) cells_w: f64,
 }

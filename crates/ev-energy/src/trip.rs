@@ -1,6 +1,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::battery::VoltagePiece;
+use crate::cells::CellState;
 use crate::error::Error;
 use crate::operating_point::{Motion, OperatingPoint};
 use crate::road_load::RoadLoad;
@@ -24,6 +25,10 @@ pub struct Trip<'a> {
     pub weather: Option<Weather>,
     /// State of charge at the start, 0 to 100 %; `None` leaves the battery at its nominal voltage.
     pub soc_start_pct: Option<f64>,
+    /// Time from a cold start to the first sample, s, up to 10⁹; `None` is a warm car.
+    pub since_cold_start_s: Option<f64>,
+    /// Cells; `None` takes what the limits of regeneration allow.
+    pub cells: Option<CellState>,
 }
 
 /// No samples, 0.1 s apart.
@@ -36,6 +41,8 @@ impl Default for Trip<'_> {
             extra_aux_power_w: None,
             weather: None,
             soc_start_pct: None,
+            since_cold_start_s: None,
+            cells: None,
         }
     }
 }
@@ -125,6 +132,12 @@ impl Vehicle {
         if let Some(soc_pct) = trip.soc_start_pct {
             argument("soc_start_pct", soc_pct, 0.0, 100.0)?;
         }
+        if let Some(since_s) = trip.since_cold_start_s {
+            argument("since_cold_start_s", since_s, 0.0, 1e9)?;
+        }
+        if let Some(cells) = trip.cells {
+            cells.check()?;
+        }
         let samples = trip.speed_mps.len();
         check_channel("speed_mps", trip.speed_mps, samples, 1e3)?;
         if let Some(slope_rad) = trip.slope_rad {
@@ -150,6 +163,18 @@ impl Vehicle {
                 .and_then(|soc_pct| self.battery.discharged_pct(soc_pct, 0.0)),
             piece: trip.soc_start_pct.and_then(|soc| self.battery.piece(soc)),
             end: 1,
+            warm_up_n: trip.since_cold_start_s.map_or(0.0, |since_s| {
+                let degc = trip
+                    .weather
+                    .map_or(20.0, |weather| weather.temperature_degc);
+                let middle_s = since_s + 0.5 * trip.step_s;
+                self.spec().warm_up.force_at_n(middle_s, degc)
+            }),
+            warm_up_left: (-trip.step_s / self.spec().warm_up.decay_s).exp(),
+            cells_w: trip
+                .cells
+                .zip(self.spec().regeneration.cells.as_ref())
+                .map_or(f64::INFINITY, |(state, intake)| intake.limit_w(state)),
         })
     }
 }
@@ -166,6 +191,11 @@ pub struct TripPoints<'a> {
     piece: Option<VoltagePiece>,
     /// Sample at the end of the next step.
     end: usize,
+    /// Resistance of the cold car in the next step, N, and what is left of it a step later, 1.
+    warm_up_n: f64,
+    warm_up_left: f64,
+    /// Largest shaft power of braking that the cells take, W.
+    cells_w: f64,
 }
 
 impl TripPoints<'_> {
@@ -192,6 +222,8 @@ impl TripPoints<'_> {
             cos_slope,
             auxiliary_power_w: self.vehicle.spec().auxiliary_power_w
                 + extra_aux_power_w.map_or(0.0, mean),
+            warm_up_n: self.warm_up_n,
+            cells_w: self.cells_w,
         }
     }
 }
@@ -206,6 +238,7 @@ impl Iterator for TripPoints<'_> {
         }
         let motion = self.motion(self.end);
         self.end += 1;
+        self.warm_up_n *= self.warm_up_left;
         let battery = &self.vehicle.battery;
         let Some(soc_pct) = self.soc_pct else {
             return Some(

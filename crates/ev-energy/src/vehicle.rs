@@ -11,6 +11,7 @@ use crate::library;
 use crate::loss_table::LossTable;
 use crate::motor::{Motor, MotorSpec, RegenerationSpec};
 use crate::road_load::{RoadLoad, RoadLoadSpec};
+use crate::warm_up::WarmUpSpec;
 use crate::weather::WeatherSpec;
 
 /// A vehicle as its TOML file gives it; unchecked until it becomes a [`Vehicle`].
@@ -46,6 +47,9 @@ pub struct VehicleSpec {
     /// What the weather does to the road load.
     #[serde(default, skip_serializing_if = "WeatherSpec::is_default")]
     pub weather: WeatherSpec,
+    /// What the car resists more after a cold start.
+    #[serde(default, skip_serializing_if = "WarmUpSpec::is_default")]
+    pub warm_up: WarmUpSpec,
     /// How good the vehicle is, if it was calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationRecord>,
@@ -274,6 +278,7 @@ impl Vehicle {
         let efficiency = check.range("gear_efficiency", spec.gear_efficiency, 0.1, 1.0)?;
         check.range("auxiliary_power_w", spec.auxiliary_power_w, 0.0, 1e6)?;
         spec.weather.check(&check)?;
+        spec.warm_up.check(&check)?;
         if let Some(record) = &spec.calibration {
             for (key, value, min, max) in [
                 (
@@ -325,6 +330,33 @@ impl Vehicle {
             )?,
             battery: Battery::new(&spec.battery, &check)?,
             spec,
+        })
+    }
+
+    /// The same car, without a warm-up where it is `warm` at every start.
+    #[must_use]
+    pub fn started(mut self, warm: bool) -> Self {
+        if warm {
+            self.spec.warm_up = WarmUpSpec::default();
+        }
+        self
+    }
+
+    /// Whether it resists more after a cold start.
+    #[must_use]
+    pub fn warms_up(&self) -> bool {
+        !self.spec.warm_up.is_default()
+    }
+
+    /// The same car with mass and road load of another vehicle.
+    ///
+    /// # Errors
+    /// As [`Vehicle::new`].
+    pub fn with_load_of(&self, other: &Self) -> Result<Self, Error> {
+        Self::new(VehicleSpec {
+            mass_kg: other.spec.mass_kg,
+            road_load: other.spec.road_load.clone(),
+            ..self.spec.clone()
         })
     }
 

@@ -43,6 +43,9 @@ pub(crate) struct EnergyArgs {
     /// Slopes are smoothed over this distance to either side, in m
     #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     slope_bandwidth: f64,
+    /// Take the car for warm at the start of every log, which is else taken for a cold start
+    #[arg(long)]
+    warm_start: bool,
     /// Write every term of every step, of one log and one vehicle
     #[arg(long, value_name = "FILE.csv")]
     #[serde(skip)]
@@ -56,13 +59,15 @@ pub(crate) struct EnergyArgs {
     require: RequireArgs,
 }
 
+const COLD_START: &str = "the start of every log is taken for a cold start, since how long the car stood is not in it; --warm-start takes the car for warm";
+
 pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
         .check(&KnownFigures::new(include_str!("../../figures/energy.txt")))?;
     let vehicles: Vec<Vehicle> = args
         .vehicle
         .iter()
-        .map(|name| vehicle(name))
+        .map(|name| Ok(vehicle(name)?.started(args.warm_start)))
         .collect::<anyhow::Result<_>>()?;
     let inputs = inputs::load(&args.logs, context)?;
     let motions = motions(&inputs, args.slope_bandwidth)?;
@@ -76,6 +81,9 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
         };
         trace::write(path, &motions, vehicle)?;
         output::note(context, &format!("trace written to {}", path.display()));
+    }
+    if vehicles.iter().any(Vehicle::warms_up) {
+        output::note(context, COLD_START);
     }
     let drives = inputs.iter().zip(motion::drives(&motions));
     let pairs: Vec<(&Input, &[Motion], &Vehicle)> = drives

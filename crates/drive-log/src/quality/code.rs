@@ -8,7 +8,7 @@ use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
 
 /// What is measured all the time; speeds and gaps have checks of their own.
-const MEASURED: [Channel; 7] = [
+const MEASURED: [Channel; 8] = [
     Channel::BatteryVoltage,
     Channel::BatteryCurrent,
     Channel::StateOfCharge,
@@ -16,6 +16,7 @@ const MEASURED: [Channel; 7] = [
     Channel::Slope,
     Channel::Accelerometer,
     Channel::AmbientTemperature,
+    Channel::BatteryTemperature,
 ];
 
 /// A code comes so often, stays for this long at most, s, and is off the rest by this share of its range, of so many values.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::checked::Checked;
+use super::heating_windows::{self, Windows};
 use super::motion::STANDSTILL_MPS;
 use super::runs::constant_runs;
 use crate::{Action, Channel, FindingKind};
@@ -30,7 +31,7 @@ const OFF_W: f64 = 50.0;
 
 /// At standstill the battery gives what heating and auxiliaries take, and no less. A heater claims power
 /// above the first, W; the second is the meters' tolerance, W.
-const CLAIM_W: f64 = 300.0;
+pub(super) const CLAIM_W: f64 = 300.0;
 const TOLERANCE_W: f64 = 200.0;
 
 /// Claims at standstill that decide, s, and the share of them that the battery must contradict.
@@ -179,28 +180,62 @@ pub(super) fn drop_contradicted(checked: &mut Checked) {
     }
 }
 
-/// Takes the power that was requested of the heater where there is none of the heater itself, unless the battery contradicts it.
+/// Takes the power that was requested of the heater where there is none of the heater itself, or another one, and the battery
+/// delivers it.
 pub(super) fn take_request(checked: &mut Checked) {
+    let Some(request_w) = checked.values(Channel::HeatingRequest).map(<[f64]>::to_vec) else {
+        return;
+    };
     let is_there = |values: &[f64]| values.iter().any(|value| value.is_finite());
-    if checked.values(Channel::HeatingPower).is_some_and(is_there)
-        || checked.values(Channel::HeatingRequest).is_none()
-    {
+    let windows = heating_windows::judge(checked);
+    if checked.values(Channel::HeatingPower).is_some_and(is_there) {
+        if let Some(mut windows) = windows {
+            windows.believed.retain(|window| window.is_unsaid);
+            take_windows(
+                checked,
+                &request_w,
+                &windows,
+                "the heating power is another one",
+            );
+        }
         return;
     }
-    if let Some(detail) = contradiction(checked, Channel::HeatingRequest) {
-        drop_channel(checked, Channel::HeatingRequest, detail);
-    } else if let Some(request_w) = checked.log.channels.get(&Channel::HeatingRequest).cloned() {
-        checked
-            .log
-            .channels
-            .insert(Channel::HeatingPower, request_w);
-        checked.report_all(
-            FindingKind::Missing,
-            Channel::HeatingPower,
-            Action::Replaced,
-            format!("{} taken in its place", Channel::HeatingRequest),
-        );
+    let wrong = contradiction(checked, Channel::HeatingRequest)
+        .or_else(|| windows.as_ref().and_then(Windows::contradiction));
+    match (wrong, windows) {
+        (None, _) => {
+            let detail = format!("{} taken in its place", Channel::HeatingRequest);
+            replace(checked, FindingKind::Missing, request_w, detail);
+        }
+        (Some(wrong), Some(windows)) if !windows.believed.is_empty() => {
+            take_windows(checked, &request_w, &windows, &wrong);
+        }
+        (Some(wrong), _) => drop_channel(checked, Channel::HeatingRequest, wrong),
     }
+}
+
+/// Takes the request in the windows in which the battery delivers it; in the others there is what there was, or no heating.
+fn take_windows(checked: &mut Checked, request_w: &[f64], windows: &Windows, why: &str) {
+    if windows.believed.is_empty() {
+        return;
+    }
+    let said_w = checked.values(Channel::HeatingPower);
+    let mut heating_w = said_w.map_or_else(|| vec![0.0; request_w.len()], <[f64]>::to_vec);
+    for window in &windows.believed {
+        heating_w[window.samples.clone()].copy_from_slice(&request_w[window.samples.clone()]);
+    }
+    let (taken, asked) = (windows.believed.len(), windows.asked);
+    let detail = format!(
+        "{} taken in {taken} of {asked} half minutes in which heat is asked for and the battery delivers it: else {why}",
+        Channel::HeatingRequest
+    );
+    replace(checked, FindingKind::Contradicted, heating_w, detail);
+}
+
+fn replace(checked: &mut Checked, kind: FindingKind, heating_w: Vec<f64>, detail: String) {
+    let channels = &mut checked.log.channels;
+    channels.insert(Channel::HeatingPower, heating_w);
+    checked.report_all(kind, Channel::HeatingPower, Action::Replaced, detail);
 }
 
 fn drop_channel(checked: &mut Checked, channel: Channel, detail: String) {

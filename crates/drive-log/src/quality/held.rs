@@ -23,12 +23,13 @@ const SET: [Channel; 6] = [
 ];
 
 /// What changes slowly stands still between two digits, at irregular times.
-const SLOW: [Channel; 5] = [
+const SLOW: [Channel; 6] = [
     Channel::Distance,
     Channel::Slope,
     Channel::Elevation,
     Channel::StateOfCharge,
     Channel::AmbientTemperature,
+    Channel::BatteryTemperature,
 ];
 
 /// A value that is sampled in every row does not stand still for a row while it goes on by this many digits of the channel before

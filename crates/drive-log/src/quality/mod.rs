@@ -14,10 +14,12 @@ mod current;
 mod distance;
 mod dropout;
 mod elevation;
+mod elevation_still;
 mod exchanged;
 mod filled;
 mod frozen;
 mod heating;
+mod heating_windows;
 mod held;
 mod interleaved;
 mod jump;
@@ -82,11 +84,12 @@ use crate::{Channel, RawLog};
 /// | frozen elevation | constant, and not 0, over 5 km | removed |
 /// | splice | speed jumps by more than 10 m/s² · Δt + 1 m/s; state of charge by 1.5 % | cut; kept where the state of charge jumps alone |
 /// | spike | such a jump in speed that is undone within 2 s | removed |
+/// | contradicted elevation | it stands still over 400 m on which accelerometer and battery feel 18 m | removed there, and what follows set off by as much |
 /// | altitude outlier | elevation leaves the steepest road by 5 m for 2 s, or by 40 m for a minute | removed |
 /// | sentinel | heating in three or more pulses under 3 s of one exact value that the battery does not feel | removed |
 /// | pinned | one value over 50 W for half of the heating channel and 300 s | channel dropped |
 /// | contradicted | at standstill the battery delivers less than auxiliaries, or heating and auxiliaries, for half of the time that these claim power | channel dropped |
-/// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place |
+/// | missing heating | none, or dropped, while the heating power that was requested is recorded and not contradicted | request taken in its place; of one that is contradicted the half minutes in which the battery delivers it |
 /// | held | values repeated in rows until the sensor gives the next one | the line between updates |
 /// | contradicted | a car that reverses faster than 8 m/s for over 3 s | the sign of the speed turned from standstill to standstill |
 /// | clipped, filled | a speed that ends at one value; a straight line | removed; kept where the speed may have been limited |
@@ -146,6 +149,7 @@ pub fn check(log: RawLog) -> Checked {
     jump::remove_altitude_outliers(&mut checked);
     slope::judge(&mut checked);
     elevation::judge(&mut checked);
+    elevation_still::mend(&mut checked);
     battery::remove_still(&mut checked);
     pieces::judge(&mut checked);
     charge::judge_offset(&mut checked);

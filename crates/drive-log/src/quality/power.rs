@@ -15,7 +15,7 @@ const FEW_SECONDS: usize = 60;
 pub(super) const NOT_BRAKING_MPS2: f64 = -0.2;
 
 /// Rolling resistance as an acceleration, m/s²: a coefficient of 0.01.
-const ROLLING_MPS2: f64 = 0.1;
+pub(super) const ROLLING_MPS2: f64 = 0.1;
 
 /// Density of air, kg/m³.
 const AIR_KG_PER_M3: f64 = 1.2;
@@ -140,6 +140,12 @@ impl Load {
         };
         (car.mass_kg > ERRORS * car.mass_error_kg).then_some(car)
     }
+}
+
+/// Coefficients of the three terms of [`Load::fit`] by pairs of terms and power, of at least a minute.
+pub(super) fn usual_power(rows: &[([f64; 3], f64)]) -> Option<[f64; 3]> {
+    let inverse = inverse(&normal(rows)).filter(|_| rows.len() >= FEW_SECONDS)?;
+    Some(fitted(&inverse, rows))
 }
 
 /// How many times the climb of gradients, each of a span, the battery feels, and its standard error: the rest of the power is

@@ -32,6 +32,8 @@ pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
         Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => (-1e3, 1e5),
         // the coldest and the hottest air that was ever measured, with the sun on the sensor
         Channel::AmbientTemperature => (-90.0, 70.0),
+        // cells as cold as the air, to a fire
+        Channel::BatteryTemperature => (-60.0, 120.0),
     }
 }
 

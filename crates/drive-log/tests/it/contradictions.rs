@@ -2,7 +2,7 @@
 
 use drive_log::{Action, Channel, FindingKind, RawLog, check};
 
-use crate::made::{assert_close, drive, only, times, without};
+use crate::made::{GRAVITY_MPS2, assert_close, drive, only, times, without};
 use crate::quality::{changed, kinds};
 use crate::sensors::{assert_found, assert_near, recorded, with};
 use crate::{raw, read};
@@ -252,4 +252,44 @@ fn a_speed_of_which_a_part_is_in_another_unit_is_not_converted_as_a_whole() {
         let is_right = is_told && (is_refused || !is_whole);
         assert!(is_right, "{from}: {:#?}", checked.findings);
     }
+}
+
+#[test]
+fn an_elevation_that_stands_still_on_a_hill_that_is_felt() {
+    let road = drive(0.1);
+    let hill = 1500..1750;
+    let speed_mps = road.channel(Channel::Speed).unwrap().to_vec();
+    let mut elevation_m = road.channel(Channel::Elevation).unwrap().to_vec();
+    let rise_m = elevation_m[hill.end] - elevation_m[hill.start];
+    for i in hill.clone() {
+        elevation_m[i] = elevation_m[hill.start];
+    }
+    elevation_m[hill.end..]
+        .iter_mut()
+        .for_each(|m| *m -= rise_m);
+    let felt_mps2 = -0.07 * GRAVITY_MPS2;
+    let mut log = changed(&road, Channel::Elevation, |m| {
+        m.copy_from_slice(&elevation_m);
+    });
+    log = changed(&log, Channel::Accelerometer, |a| {
+        a[hill.clone()].iter_mut().for_each(|a| *a += felt_mps2);
+    });
+    let is_told = |checked: &drive_log::Checked| {
+        let told = (FindingKind::Contradicted, "elevation_m", Action::Removed);
+        kinds(checked).contains(&told)
+    };
+    assert!(!is_told(&check(road)));
+    // the battery does not feel what the accelerometer does
+    assert!(!is_told(&check(log.clone())));
+    log = changed(&log, Channel::BatteryCurrent, |a| {
+        for i in hill.clone() {
+            a[i] += 1700.0 * felt_mps2 * speed_mps[i] / 350.0;
+        }
+    });
+    let checked = check(log);
+    assert!(is_told(&checked), "{:?}", checked.findings);
+    let mended_m = checked.log.channel(Channel::Elevation).unwrap();
+    assert!(mended_m[1600..1650].iter().all(|m| m.is_nan()));
+    let moved_m = mended_m[2000] - elevation_m[2000];
+    assert!((-50.0..-20.0).contains(&moved_m), "{moved_m}");
 }

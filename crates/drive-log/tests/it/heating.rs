@@ -2,6 +2,7 @@
 
 use drive_log::{Action, Channel, FindingKind, RawLog, check};
 
+use crate::made;
 use crate::quality::{changed, kinds, traffic};
 
 fn pulses(log: &RawLog) -> RawLog {
@@ -131,4 +132,52 @@ fn requested_heating_replaces_what_is_missing_unless_it_is_contradicted() {
         )]
     );
     assert_eq!(checked.log.channel(Channel::HeatingPower), None);
+}
+
+/// 5 kW are asked for from 200 to 500 s, and delivered up to 320 s.
+fn half_delivered() -> RawLog {
+    let at = |s: usize| 10 * s;
+    let log = changed(&made::drive(0.1), Channel::BatteryCurrent, |a| {
+        a[at(200)..at(320)]
+            .iter_mut()
+            .for_each(|a| *a += 5000.0 / 350.0);
+    });
+    changed(&log, Channel::HeatingRequest, |request| {
+        request.fill(0.0);
+        request[at(200)..at(500)].fill(5000.0);
+    })
+}
+
+#[test]
+fn requested_heating_is_believed_by_half_minutes() {
+    let expected = (
+        FindingKind::Contradicted,
+        "heating_power_w",
+        Action::Replaced,
+    );
+    let silent = changed(&half_delivered(), Channel::HeatingPower, |heating| {
+        heating.fill(0.0);
+    });
+    for log in [half_delivered(), silent] {
+        let checked = check(log);
+        assert!(
+            kinds(&checked).contains(&expected),
+            "{:?}",
+            checked.findings
+        );
+        let heating = checked.log.channel(Channel::HeatingPower).unwrap();
+        assert_eq!(
+            [2200, 3000, 3500, 4500].map(|i| heating[i]),
+            [5000.0, 5000.0, 0.0, 0.0]
+        );
+    }
+    // a hill takes as much as a heater where nothing feels the road
+    let mut blind = half_delivered();
+    blind = changed(&blind, Channel::Accelerometer, |a| a.fill(f64::NAN));
+    let checked = check(blind);
+    assert!(
+        !kinds(&checked).contains(&expected),
+        "{:?}",
+        checked.findings
+    );
 }

@@ -17,7 +17,7 @@ fn an_error_about_one_of_many_drives_names_it() {
         steady("driven", 20.0, &battery),
         steady("rocket", 2000.0, &battery),
     );
-    let error = calibrate_vehicle(&motions(&[&driven, &rocket]), &i3(), &|| {}).unwrap_err();
+    let error = calibrate_vehicle(&motions(&[&driven, &rocket]), &i3(), false, &|| {}).unwrap_err();
     assert!(
         matches!(&error, Error::Model(driver_model::Error::InLog { log, .. }) if log == "rocket"),
         "{error}"
@@ -34,7 +34,7 @@ fn drives_that_cannot_be_calibrated_to_are_named() {
     };
     let turned = steady("turned", 20.0, &battery(-30.0));
     let blind = steady("blind", 20.0, &[]);
-    let error = calibrate_vehicle(&motions(&[&turned, &blind]), &i3(), &|| {}).unwrap_err();
+    let error = calibrate_vehicle(&motions(&[&turned, &blind]), &i3(), false, &|| {}).unwrap_err();
     let text = error.to_string();
     assert!(
         text.contains("turned: measured energy is negative"),
@@ -43,7 +43,7 @@ fn drives_that_cannot_be_calibrated_to_are_named() {
     assert!(text.contains("blind: less than a minute"), "{text}");
     let driven = steady("driven", 20.0, &battery(30.0));
     let drives = [&turned, &driven, &blind];
-    let report = calibrate_vehicle(&motions(&drives), &i3(), &|| {}).unwrap();
+    let report = calibrate_vehicle(&motions(&drives), &i3(), false, &|| {}).unwrap();
     let left_out: Vec<&str> = report
         .left_out_drives
         .iter()
@@ -76,7 +76,7 @@ fn a_calibrated_car_is_right_about_trips_it_has_not_seen() {
         })
         .collect();
     let drives: Vec<&Drive> = drives.iter().collect();
-    let report = calibrate_vehicle(&motions(&drives), &i3(), &|| {}).unwrap();
+    let report = calibrate_vehicle(&motions(&drives), &i3(), false, &|| {}).unwrap();
     let (before, held_out) = (report.summary.start, report.summary.held_out);
     assert!(held_out.mean_abs_error_pct.unwrap() < 6.0, "{held_out:?}");
     assert!(

@@ -1,7 +1,7 @@
 //! What the vehicle model needs of a drive, from what the log has.
 
 use drive_log::{Channel, DriveLog};
-use ev_energy::{Trip, Vehicle, Weather};
+use ev_energy::{CellState, Trip, Vehicle, Weather};
 
 use crate::{Error, Motion};
 
@@ -16,15 +16,26 @@ pub struct EnergyInput<'a> {
     pub weather: Option<Weather>,
     /// State of charge at the start, %, where the log has it.
     pub soc_start_pct: Option<f64>,
+    /// Cells of the battery, where the log has their temperature.
+    pub cells: Option<CellState>,
+    /// Time from the start of the drive, which is taken for a cold start, to the first sample, s.
+    pub since_start_s: f64,
     /// Measured at the terminals, per step, W; NaN where there is none.
     pub power_w: Vec<f64>,
+    /// Measured at the motor shaft, per step, N m; NaN where there is none.
+    pub motor_torque_nm: Vec<f64>,
 }
 
 impl<'a> EnergyInput<'a> {
-    /// From the channels of its log.
-    #[must_use]
-    pub fn of(motion: &'a Motion) -> Self {
+    /// Of every piece of a drive. How long the car stood before is not known: the drive is taken to start cold.
+    pub fn of_drive(motions: &'a [Motion]) -> impl Iterator<Item = Self> {
+        let start_s = motions.first().map_or(0.0, |first| first.log().t0_s());
+        motions.iter().map(move |motion| Self::of(motion, start_s))
+    }
+
+    fn of(motion: &'a Motion, start_s: f64) -> Self {
         let log = motion.log();
+        let soc_start_pct = soc_start_pct(log);
         let aux_channels: Vec<Channel> = [Channel::AuxPower, Channel::HeatingPower]
             .into_iter()
             .filter(|channel| log.channel(*channel).is_some())
@@ -34,8 +45,14 @@ impl<'a> EnergyInput<'a> {
             extra_aux_power_w: extra_aux_power_w(log, &aux_channels),
             aux_channels,
             weather: weather(log),
-            soc_start_pct: soc_start_pct(log),
+            soc_start_pct,
+            cells: mean(log, Channel::BatteryTemperature).map(|temperature_degc| CellState {
+                temperature_degc,
+                soc_pct: soc_start_pct,
+            }),
+            since_start_s: (log.t0_s() - start_s).max(0.0),
             power_w: terminal_power_w(log),
+            motor_torque_nm: motor_torque_nm(log),
         }
     }
 
@@ -49,6 +66,8 @@ impl<'a> EnergyInput<'a> {
             extra_aux_power_w: self.extra_aux_power_w.as_deref(),
             weather: self.weather,
             soc_start_pct: self.soc_start_pct,
+            since_cold_start_s: Some(self.since_start_s),
+            cells: self.cells,
         }
     }
 
@@ -77,18 +96,20 @@ fn extra_aux_power_w(log: &DriveLog, channels: &[Channel]) -> Option<Vec<f64>> {
 
 /// Mean temperature and elevation; at sea level where the log has no elevation.
 fn weather(log: &DriveLog) -> Option<Weather> {
-    let mean = |channel| {
-        let values = log
-            .channel(channel)?
-            .iter()
-            .filter(|value| value.is_finite());
-        let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-        (count > 0).then(|| sum / f64::from(count))
-    };
     Some(Weather {
-        temperature_degc: mean(Channel::AmbientTemperature)?,
-        elevation_m: mean(Channel::Elevation).unwrap_or(0.0),
+        temperature_degc: mean(log, Channel::AmbientTemperature)?,
+        elevation_m: mean(log, Channel::Elevation).unwrap_or(0.0),
     })
+}
+
+/// Of the values that there are.
+fn mean(log: &DriveLog, channel: Channel) -> Option<f64> {
+    let values = log
+        .channel(channel)?
+        .iter()
+        .filter(|value| value.is_finite());
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 fn soc_start_pct(log: &DriveLog) -> Option<f64> {
@@ -106,7 +127,19 @@ fn terminal_power_w(log: &DriveLog) -> Vec<f64> {
         return vec![f64::NAN; log.len() - 1];
     };
     let power_w = |k: usize| voltage_v[k] * current_a[k];
-    (1..log.len())
-        .map(|k| 0.5 * (power_w(k - 1) + power_w(k)))
+    per_step(log.len(), power_w)
+}
+
+fn motor_torque_nm(log: &DriveLog) -> Vec<f64> {
+    let torque_nm = log.channel(Channel::MotorTorque);
+    per_step(log.len(), |k| {
+        torque_nm.map_or(f64::NAN, |torque| torque[k])
+    })
+}
+
+/// Means of the two samples of every step.
+fn per_step(samples: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    (1..samples)
+        .map(|k| 0.5 * (value(k - 1) + value(k)))
         .collect()
 }

@@ -173,7 +173,7 @@ pub struct EnergyStep {
 /// Calls `visit` with every step of a drive, given piece by piece.
 ///
 /// Auxiliary power is the vehicle's constant plus the log's auxiliary and heating power where it has them. The state of charge is
-/// followed from the log's first one.
+/// followed from the log's first one. The start of the log is taken for a cold start, which matters to a vehicle with a warm-up.
 ///
 /// # Errors
 /// [`Error::Energy`] for samples outside the vehicle model's range.
@@ -184,8 +184,9 @@ pub fn drive_energy(
 ) -> Result<DriveEnergy, Error> {
     let mut total = DriveEnergy::default();
     let mut comparison = Comparison::default();
-    for (index, motion) in motions.iter().enumerate() {
-        let (log, input) = (motion.log(), EnergyInput::of(motion));
+    let inputs = EnergyInput::of_drive(motions);
+    for (index, (motion, input)) in motions.iter().zip(inputs).enumerate() {
+        let log = motion.log();
         if index == 0 {
             total.slope.source = motion.slope_source();
             total.auxiliaries.source = aux_source(vehicle, &input.aux_channels);

@@ -12,7 +12,6 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 use crate::comparison::Comparison;
 use crate::error::Error;
 use crate::vehicle::{Confidence, Source, Vehicle};
-use crate::weather::SUMMER_DEGC;
 pub use bounds::Bounds;
 use identification::{Curvature, Held, Untold, one_speed, untold_by};
 use parameter::{Bounded, with_values};
@@ -97,7 +96,7 @@ impl Fit {
     fn of(vehicle: &Vehicle, held: &[Held], trips: &[&CalibrationTrip]) -> Result<Self, Error> {
         let mut bounded = bounded(vehicle, trips);
         bounded.retain(|parameter| held.iter().all(|held| held.key != parameter.key()));
-        let starts: Vec<f64> = bounded.iter().map(|parameter| parameter.start).collect();
+        let starts: Vec<f64> = bounded.iter().map(Bounded::begin).collect();
         Self::from(vehicle, bounded, &starts, trips)
     }
 
@@ -136,8 +135,7 @@ impl Fit {
 
 /// The parameters of a vehicle that trips can have an effect on.
 fn bounded(vehicle: &Vehicle, trips: &[&CalibrationTrip]) -> Vec<Bounded> {
-    let with_winter = trips.iter().any(|trip| trip.is_colder_than(SUMMER_DEGC));
-    Bounded::of(vehicle.spec(), with_winter)
+    Bounded::of(vehicle.spec(), trips)
 }
 
 /// What a fit without one trip says.
@@ -218,6 +216,7 @@ impl Calibration {
             spec.sources.insert(parameter.key().to_owned(), source);
         }
         spec.add_weather_source();
+        spec.add_warm_up_source();
         let all = bounded(vehicle, trips);
         let mut calibration = Self {
             vehicle: Vehicle::new(spec)?,

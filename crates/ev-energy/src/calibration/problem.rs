@@ -1,8 +1,9 @@
 //! Robust least squares within bounds.
 //!
-//! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + (ΔE/(s E))² ]` with `ρ(x) = 2 (√(1 + x²) − 1)`, where `ΔP` is the
-//! difference of a mean of modelled and measured power and `ΔE/E` that of the trip's energy, `E` at least `σ` times its
-//! duration. Every trip weighs the same however long. The bounds are removed by
+//! Minimises `Σ_trips [ mean over a trip of ρ(ΔP/σ) + mean of ρ(ΔP_T/σ_T) + (ΔE/(s E))² + (ΔP_0/σ_0)² ]` with
+//! `ρ(x) = 2 (√(1 + x²) − 1)`, where `ΔP` is the difference of a mean of modelled and measured power, `ΔP_T` the same by measured
+//! torque in place of motion, `ΔE/E` that of the trip's energy, `E` at least 2 kW times its duration, and `ΔP_0` that of the mean
+//! power at standstill. Every trip weighs the same however long. The bounds are removed by
 //! `p = lower + (upper − lower)(1 + sin q)/2`, and Levenberg and Marquardt's method works on `q`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
@@ -15,10 +16,22 @@ use crate::error::Error;
 use crate::vehicle::{Vehicle, VehicleSpec};
 
 /// `σ`, W: what a good model still gets wrong in half a second. Larger differences count less than their square.
-const POWER_SCALE_W: f64 = 2000.0;
+const POWER_SCALE_W: f64 = 3000.0;
+
+/// `σ_T`, W: the same where the torque is measured, which knows of no wind.
+const TORQUE_SCALE_W: f64 = 2000.0;
+
+/// `σ_0`, W, for a stand that is long against the second figure, s: what a standing car takes are its auxiliaries. Below the
+/// speed, m/s, it stands.
+const STANDING_SCALE_W: f64 = 400.0;
+const STANDING_S: f64 = 10.0;
+const STANDING_MPS: f64 = 0.02;
 
 /// `s`: an error of this share of a trip's energy weighs as much as an error of `σ` all along.
 const ENERGY_SHARE: f64 = 0.2;
+
+/// Power of a trip that takes next to nothing, W.
+const LEAST_POWER_W: f64 = 2000.0;
 
 /// Relative step of finite differences, of the width of the bounds.
 const DIFFERENCE: f64 = 1e-5;
@@ -93,26 +106,15 @@ impl<'a> Problem<'a> {
         let vehicle = Vehicle::new(with_values(&self.spec, self.parameters, values)).ok()?;
         let mut residuals = Vec::with_capacity(self.len());
         for trip in self.trips {
-            let weight = 1.0 / (trip.means() as f64).sqrt();
-            let (mut modelled_j, mut measured_j, mut duration_s) = (0.0, 0.0, 0.0);
-            trip.for_each_mean(&vehicle, |mean, _| {
-                let measured_w = mean.measured_w.unwrap_or_default();
-                let off = (mean.modelled_w - measured_w) / POWER_SCALE_W;
-                residuals.push(weight * robust(off));
-                modelled_j += mean.modelled_w * mean.duration_s;
-                measured_j += measured_w * mean.duration_s;
-                duration_s += mean.duration_s;
-            })
-            .ok()?;
-            // A trip downhill may have taken next to nothing.
-            let scale_j = f64::abs(measured_j).max(POWER_SCALE_W * duration_s);
-            residuals.push((modelled_j - measured_j) / (ENERGY_SHARE * scale_j));
+            add_power(trip, &vehicle, &mut residuals)?;
+            add_torque(trip, &vehicle, &mut residuals);
         }
         Some(residuals)
     }
 
     fn len(&self) -> usize {
-        self.trips.iter().map(|trip| trip.means() + 1).sum()
+        let of_trip = |trip: &&CalibrationTrip| trip.means() + trip.torque_means() + 2;
+        self.trips.iter().map(of_trip).sum()
     }
 
     /// Derivatives of the residuals by the parameters themselves, in units of their bounds' width.
@@ -137,6 +139,42 @@ impl<'a> Problem<'a> {
         }
         Some(derivatives)
     }
+}
+
+/// The residuals of power, of energy, and of the power at standstill.
+fn add_power(trip: &CalibrationTrip, vehicle: &Vehicle, residuals: &mut Vec<f64>) -> Option<()> {
+    let weight = 1.0 / (trip.means() as f64).sqrt();
+    let (mut modelled_j, mut measured_j, mut duration_s) = (0.0, 0.0, 0.0);
+    let (mut standing_off_j, mut standing_s) = (0.0, 0.0);
+    trip.for_each_mean(vehicle, |mean, _| {
+        let measured_w = mean.measured_w.unwrap_or_default();
+        let off_w = mean.modelled_w - measured_w;
+        residuals.push(weight * robust(off_w / POWER_SCALE_W));
+        modelled_j += mean.modelled_w * mean.duration_s;
+        measured_j += measured_w * mean.duration_s;
+        duration_s += mean.duration_s;
+        if mean.speed_mps.abs() < STANDING_MPS {
+            standing_off_j += off_w * mean.duration_s;
+            standing_s += mean.duration_s;
+        }
+    })
+    .ok()?;
+    // A trip downhill may have taken next to nothing.
+    let scale_j = f64::abs(measured_j).max(LEAST_POWER_W * duration_s);
+    residuals.push((modelled_j - measured_j) / (ENERGY_SHARE * scale_j));
+    let standing_off_w = standing_off_j / f64::max(standing_s, f64::MIN_POSITIVE);
+    let long = standing_s / (standing_s + STANDING_S);
+    residuals.push(long.sqrt() * standing_off_w / STANDING_SCALE_W);
+    Some(())
+}
+
+/// The residuals of the power that measured torque makes.
+fn add_torque(trip: &CalibrationTrip, vehicle: &Vehicle, residuals: &mut Vec<f64>) {
+    let weight = 1.0 / (trip.torque_means() as f64).sqrt();
+    trip.for_each_torque_mean(vehicle, |mean| {
+        let off_w = mean.modelled_w - mean.measured_w.unwrap_or_default();
+        residuals.push(weight * robust(off_w / TORQUE_SCALE_W));
+    });
 }
 
 /// `√ρ` with the sign of its argument.

@@ -1,3 +1,4 @@
+use crate::cells::CellState;
 use crate::comparison::{Comparison, PowerAverager, PowerMean};
 use crate::error::Error;
 use crate::trip::Trip;
@@ -9,6 +10,7 @@ use crate::weather::Weather;
 pub struct CalibrationTrip {
     pieces: Vec<Piece>,
     means: usize,
+    torque_means: usize,
     measured_s: f64,
 }
 
@@ -33,24 +35,36 @@ struct Piece {
     slope_rad: Option<Vec<f64>>,
     extra_aux_power_w: Option<Vec<f64>>,
     weather: Option<Weather>,
+    since_cold_start_s: Option<f64>,
+    cells: Option<CellState>,
     /// Measured at the terminals, per step.
     power_w: Vec<f64>,
+    /// Measured at the motor shaft, per step.
+    torque_nm: Vec<f64>,
 }
 
 impl CalibrationTrip {
-    /// Adds a piece: its motion, and the measured terminal power of every step in W, NaN where there is none. The state of charge
-    /// is left out: it does not matter at the terminals.
+    /// Adds a piece: its motion, and the measured terminal power in W and motor torque in N m of every step, NaN where there is
+    /// none. The state of charge at the start is left out: it does not matter at the terminals, but for what cells take.
     ///
     /// # Errors
     /// As [`Vehicle::trip_points`], and [`Error::Length`] for the power.
-    pub fn add(&mut self, vehicle: &Vehicle, trip: &Trip, power_w: &[f64]) -> Result<(), Error> {
-        let steps = vehicle.trip_points(trip)?.len();
-        if power_w.len() != steps {
-            return Err(Error::Length {
-                channel: "power_w",
-                found: power_w.len(),
-                expected: steps,
-            });
+    pub fn add(
+        &mut self,
+        vehicle: &Vehicle,
+        trip: &Trip,
+        power_w: &[f64],
+        torque_nm: &[f64],
+    ) -> Result<(), Error> {
+        let expected = vehicle.trip_points(trip)?.len();
+        for (channel, values) in [("power_w", power_w), ("torque_nm", torque_nm)] {
+            if values.len() != expected {
+                return Err(Error::Length {
+                    channel,
+                    found: values.len(),
+                    expected,
+                });
+            }
         }
         self.pieces.push(Piece {
             step_s: trip.step_s,
@@ -58,7 +72,10 @@ impl CalibrationTrip {
             slope_rad: trip.slope_rad.map(<[f64]>::to_vec),
             extra_aux_power_w: trip.extra_aux_power_w.map(<[f64]>::to_vec),
             weather: trip.weather,
+            since_cold_start_s: trip.since_cold_start_s,
+            cells: trip.cells,
             power_w: power_w.to_vec(),
+            torque_nm: torque_nm.to_vec(),
         });
         let (mut means, mut measured_s) = (0, 0.0);
         self.for_each_mean(vehicle, |mean, _| {
@@ -66,6 +83,9 @@ impl CalibrationTrip {
             measured_s += mean.duration_s;
         })?;
         (self.means, self.measured_s) = (means, measured_s);
+        let mut torque_means = 0;
+        self.for_each_torque_mean(vehicle, |_| torque_means += 1);
+        self.torque_means = torque_means;
         Ok(())
     }
 
@@ -79,6 +99,21 @@ impl CalibrationTrip {
     #[must_use]
     pub fn measured_s(&self) -> f64 {
         self.measured_s
+    }
+
+    /// Number of means of measured power with a measured torque.
+    pub(crate) fn torque_means(&self) -> usize {
+        self.torque_means
+    }
+
+    /// Whether any piece is known to follow a cold start.
+    pub(crate) fn has_cold_start(&self) -> bool {
+        self.pieces.iter().any(|p| p.since_cold_start_s.is_some())
+    }
+
+    /// Whether the cells of any piece are known.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.pieces.iter().any(|p| p.cells.is_some())
     }
 
     /// Whether any piece was driven in colder air.
@@ -125,6 +160,8 @@ impl CalibrationTrip {
                 extra_aux_power_w: piece.extra_aux_power_w.as_deref(),
                 weather: piece.weather,
                 soc_start_pct: None,
+                since_cold_start_s: piece.since_cold_start_s,
+                cells: piece.cells,
             };
             let mut measured = |mean: &PowerMean| {
                 if mean.measured_w.is_some() {
@@ -138,5 +175,38 @@ impl CalibrationTrip {
             averager.finish(&mut measured);
         }
         Ok(())
+    }
+
+    /// Shows every mean of measured power and of what measured torque, losses and auxiliaries of a vehicle make; means without
+    /// either measurement are left out.
+    pub(crate) fn for_each_torque_mean(
+        &self,
+        vehicle: &Vehicle,
+        mut visit: impl FnMut(&PowerMean),
+    ) {
+        for piece in &self.pieces {
+            let mut measured = |mean: &PowerMean| {
+                if mean.measured_w.is_some() {
+                    visit(mean);
+                }
+            };
+            let mut averager = PowerAverager::new(piece.step_s);
+            for (k, (&torque_nm, &power_w)) in
+                piece.torque_nm.iter().zip(&piece.power_w).enumerate()
+            {
+                let speed_mps = 0.5 * (piece.speed_mps[k] + piece.speed_mps[k + 1]);
+                let both = torque_nm.is_finite() && power_w.is_finite();
+                let (torque_nm, power_w) = if both {
+                    (torque_nm, power_w)
+                } else {
+                    (0.0, f64::NAN)
+                };
+                let extra = piece.extra_aux_power_w.as_ref();
+                let extra_w = extra.map_or(0.0, |aux| 0.5 * (aux[k] + aux[k + 1]));
+                let modelled_w = vehicle.power_of_torque_w(speed_mps, torque_nm) + extra_w;
+                averager.add_step(speed_mps, modelled_w, power_w, &mut measured);
+            }
+            averager.finish(&mut measured);
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Parameters from power: the truth is found again, and what cannot be found is said.
 
 use ev_energy::{
-    Error, RoadLoadSpec, Trip, Vehicle, VehicleSpec, Weather,
+    CellIntakeSpec, CellState, Error, RoadLoadSpec, Trip, Vehicle, VehicleSpec, Weather,
     calibration::{Calibration, CalibrationTrip, calibrate, leave_one_out},
 };
 
@@ -47,7 +47,8 @@ fn trips(truth: &Vehicle, count: usize, noise_w: f64) -> Vec<CalibrationTrip> {
                 .map(|(k, point)| point.terminal_power_w + noise(k))
                 .collect();
             let mut measured = CalibrationTrip::default();
-            measured.add(truth, &trip, &power_w).unwrap();
+            let no_torque = vec![f64::NAN; power_w.len()];
+            measured.add(truth, &trip, &power_w, &no_torque).unwrap();
             measured
         })
         .collect()
@@ -61,7 +62,7 @@ fn truth(change: impl FnOnce(&mut VehicleSpec)) -> Vehicle {
     let mut spec = i3().spec().clone();
     spec.mass_kg = 1600.0;
     spec.auxiliary_power_w = 700.0;
-    spec.gear_efficiency = 0.93;
+    spec.gear_efficiency = 0.96;
     spec.weather.winter_rolling_surcharge = 0.4;
     spec.regeneration.max_decel_mps2 = 0.9;
     if let RoadLoadSpec::CoastDown {
@@ -133,7 +134,7 @@ fn the_truth_is_found_again() {
         ("road_load.coast_down.constant_n", 150.0, 3.0),
         ("road_load.coast_down.quadratic_n_per_mps2", 0.3, 0.01),
         ("weather.winter_rolling_surcharge", 0.4, 0.02),
-        ("gear_efficiency", 0.93, 0.002),
+        ("gear_efficiency", 0.96, 0.002),
         ("regeneration.max_decel_mps2", 0.9, 0.01),
     ] {
         assert!(
@@ -239,7 +240,12 @@ fn one_speed_tells_nothing() {
         let mut steady = CalibrationTrip::default();
         let power_w = (1..SAMPLES).map(|k| 15e3 + noise_w * (k as f64).sin());
         steady
-            .add(&i3(), &trip, &power_w.collect::<Vec<_>>())
+            .add(
+                &i3(),
+                &trip,
+                &power_w.collect::<Vec<_>>(),
+                &[f64::NAN; SAMPLES - 1],
+            )
             .unwrap();
         steady
     };
@@ -313,12 +319,17 @@ fn without_measured_power_there_is_nothing_to_fit() {
     };
     let mut blind = CalibrationTrip::default();
     blind
-        .add(&i3(), &trip, &vec![f64::NAN; SAMPLES - 1])
+        .add(
+            &i3(),
+            &trip,
+            &[f64::NAN; SAMPLES - 1],
+            &[f64::NAN; SAMPLES - 1],
+        )
         .unwrap();
     assert_eq!(blind.means(), 0);
     let error = calibrate(&i3(), &[&blind]).unwrap_err();
     assert!(matches!(error, Error::Calibration { .. }), "{error}");
-    let short = blind.add(&i3(), &trip, &[1.0]).unwrap_err();
+    let short = blind.add(&i3(), &trip, &[1.0], &[1.0]).unwrap_err();
     assert!(
         matches!(
             short,
@@ -329,4 +340,70 @@ fn without_measured_power_there_is_nothing_to_fit() {
         ),
         "{short}"
     );
+}
+
+/// Trips from a cold start, with motor torque and the temperature of the cells.
+fn told_trips(truth: &Vehicle, count: usize) -> Vec<CalibrationTrip> {
+    let trip = |number: usize| {
+        let (speed_mps, slope_rad) = motion(number);
+        let speed_mps: Vec<f64> = speed_mps.iter().map(|v| 1.6 * v).collect();
+        let trip = Trip {
+            step_s: STEP_S,
+            speed_mps: &speed_mps,
+            slope_rad: Some(&slope_rad),
+            since_cold_start_s: Some(0.0),
+            cells: Some(CellState {
+                temperature_degc: 25.0 - 6.0 * (number % 5) as f64,
+                soc_pct: Some(40.0 + 20.0 * (number % 3) as f64),
+            }),
+            ..Trip::default()
+        };
+        let points: Vec<_> = truth.trip_points(&trip).unwrap().collect();
+        let power_w: Vec<f64> = points.iter().map(|p| p.terminal_power_w).collect();
+        let torque_nm: Vec<f64> = points.iter().map(|p| p.motor_torque_nm).collect();
+        let mut measured = CalibrationTrip::default();
+        measured.add(truth, &trip, &power_w, &torque_nm).unwrap();
+        measured
+    };
+    (0..count).map(trip).collect()
+}
+
+#[test]
+fn torque_and_cold_starts_tell_what_power_alone_does_not() {
+    let truth = truth(|spec| {
+        spec.wheel_radius_m = 0.339;
+        spec.warm_up.force_n = 200.0;
+        spec.motor.loss.as_mut().unwrap().weakening_w = 4000.0;
+        spec.weather.winter_rolling_surcharge = 0.0;
+        spec.regeneration.cells = Some(CellIntakeSpec {
+            power_w: 20e3,
+            power_w_per_k: 2e3,
+            power_w_per_soc_pct: 300.0,
+        });
+    });
+    let fitted = fit(&told_trips(&truth, 8));
+    for (key, expected, tolerance) in [
+        ("wheel_radius_m", 0.339, 0.001),
+        ("warm_up.force_n", 200.0, 20.0),
+        ("motor.loss.weakening_w", 4000.0, 800.0),
+    ] {
+        let found = fitted.parameters.iter().find(|p| p.key == key).unwrap();
+        assert!((found.value - expected).abs() < tolerance, "{found:?}");
+    }
+    let keys = |trips: &[CalibrationTrip]| -> Vec<&str> {
+        fit(trips).parameters.iter().map(|p| p.key).collect()
+    };
+    assert!(!keys(&trips(&truth, 3, 0.0)).contains(&"warm_up.force_n"));
+    assert!(!keys(&trips(&truth, 3, 0.0)).contains(&"wheel_radius_m"));
+}
+
+#[test]
+fn a_smaller_wheel_leaves_the_top_speed() {
+    let truth = truth(|spec| spec.wheel_radius_m = 0.339);
+    let fitted = fit(&told_trips(&truth, 4));
+    let top_mps = |vehicle: &Vehicle| {
+        let spec = vehicle.spec();
+        spec.motor.max_speed_rad_s * spec.wheel_radius_m / spec.gear_ratio
+    };
+    assert!((top_mps(&fitted.vehicle) - top_mps(&i3())).abs() < 1e-9);
 }

@@ -1,7 +1,8 @@
 //! Laws that hold for every motion and every vehicle.
 
 use ev_energy::{
-    LossTable, LossTableSpec, OperatingPoint, Trip, Vehicle, VoltageCurveSpec, Weather, library,
+    CellState, LossTable, LossTableSpec, OperatingPoint, Trip, Vehicle, VoltageCurveSpec, Weather,
+    library,
 };
 use proptest::prelude::*;
 
@@ -101,6 +102,7 @@ proptest! {
     fn the_budget_closes_and_energy_is_the_integral_of_power(
         vehicle in vehicle(), motion in motion(), step_s in 0.05..2.0_f64, constant_aux in any::<bool>(),
         weather in weather(), soc_start_pct in proptest::option::of(0.0..100.0_f64),
+        since_cold_start_s in proptest::option::of(0.0..1000.0_f64), cells_degc in proptest::option::of(-20.0..50.0_f64),
     ) {
         let speed_mps: Vec<f64> = motion.iter().map(|m| m.0).collect();
         let slope_rad: Vec<f64> = motion.iter().map(|m| m.1).collect();
@@ -112,6 +114,8 @@ proptest! {
             extra_aux_power_w: (!constant_aux).then_some(&aux_power_w),
             weather,
             soc_start_pct,
+            since_cold_start_s,
+            cells: cells_degc.map(|temperature_degc| CellState { temperature_degc, soc_pct: soc_start_pct }),
         };
         let energy = vehicle.trip_energy(&trip).unwrap();
         let points: Vec<_> = vehicle.trip_points(&trip).unwrap().collect();

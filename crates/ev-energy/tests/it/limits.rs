@@ -1,6 +1,6 @@
 //! What happens where the car cannot follow, at standstill, and with inputs that are no motion.
 
-use ev_energy::{Error, Trip, Vehicle};
+use ev_energy::{CellIntakeSpec, CellState, Error, Trip, Vehicle, Weather};
 
 fn trip(speed_mps: &[f64]) -> Trip<'_> {
     Trip {
@@ -152,4 +152,72 @@ fn bad_trips_name_channel_and_sample() {
         matches!(step, Error::Argument { name: "step_s", .. }),
         "{step}"
     );
+}
+
+#[test]
+fn a_cold_start_costs_and_the_cost_fades() {
+    let mut spec = Vehicle::builtin("bmw-i3-60ah").unwrap().spec().clone();
+    spec.warm_up.force_n = 150.0;
+    spec.warm_up.cold_rise_n = 100.0;
+    let vehicle = Vehicle::new(spec).unwrap();
+    let speed_mps = [10.0; 601];
+    let energy_j = |since_cold_start_s, temperature_degc| {
+        let trip = Trip {
+            step_s: 1.0,
+            speed_mps: &speed_mps,
+            since_cold_start_s,
+            weather: Some(Weather {
+                temperature_degc,
+                elevation_m: 0.0,
+            }),
+            ..Trip::default()
+        };
+        let budget = vehicle.trip_energy(&trip).unwrap().budget;
+        budget.rolling_j
+    };
+    let warm_j = energy_j(None, 20.0);
+    // 150 N for 150 s at 10 m/s, less what is left after ten minutes
+    let expected_j = 150.0 * 150.0 * 10.0 * (1.0 - f64::exp(-4.0));
+    let cost_j = energy_j(Some(0.0), 20.0) - warm_j;
+    assert!((cost_j / expected_j - 1.0).abs() < 1e-3, "{cost_j}");
+    assert!(energy_j(Some(0.0), 0.0) - energy_j(None, 0.0) > 1.5 * cost_j);
+    assert!(energy_j(Some(3600.0), 20.0) - warm_j < 1e-3 * cost_j);
+    let built_in = Vehicle::builtin("b250e").unwrap();
+    assert!(!built_in.warms_up() && vehicle.warms_up());
+    assert!(!vehicle.started(true).warms_up());
+}
+
+#[test]
+fn cold_and_full_cells_take_less_of_the_braking() {
+    let mut spec = Vehicle::builtin("bmw-i3-60ah").unwrap().spec().clone();
+    spec.regeneration.cells = Some(CellIntakeSpec {
+        power_w: 20e3,
+        power_w_per_k: 3e3,
+        power_w_per_soc_pct: 500.0,
+    });
+    let vehicle = Vehicle::new(spec).unwrap();
+    let braking: Vec<f64> = (0..10).map(|k| 25.0 - 1.5 * f64::from(k)).collect();
+    let regained_j = |cells| {
+        let trip = Trip {
+            step_s: 1.0,
+            speed_mps: &braking,
+            cells,
+            ..Trip::default()
+        };
+        vehicle.trip_energy(&trip).unwrap().budget.regenerated_j
+    };
+    let state = |temperature_degc, soc_pct| {
+        Some(CellState {
+            temperature_degc,
+            soc_pct: Some(soc_pct),
+        })
+    };
+    let (cold, full, warm) = (state(2.0, 70.0), state(2.0, 90.0), state(25.0, 70.0));
+    assert!(regained_j(full) < regained_j(cold) && regained_j(cold) < regained_j(warm));
+    assert!((regained_j(warm) - regained_j(None)).abs() < 1e-9);
+    let wrong = Trip {
+        cells: state(500.0, 70.0),
+        ..Trip::default()
+    };
+    assert!(vehicle.trip_energy(&wrong).is_err());
 }
