@@ -1,6 +1,7 @@
 //! Drives as models see them, for all commands that fit, predict or cost.
 
 use anyhow::Context as _;
+use driver_eval::LimitsKnown;
 use driver_model::Motion;
 use rayon::prelude::*;
 
@@ -15,6 +16,13 @@ pub(crate) fn motions(inputs: &[Input], slope_bandwidth_m: f64) -> anyhow::Resul
     };
     let of_inputs: Vec<Vec<Motion>> = inputs.par_iter().map(of_input).collect::<Result<_, _>>()?;
     Ok(of_inputs.into_iter().flatten().collect())
+}
+
+/// Says which speed limits were filled, and which are not used.
+pub(crate) fn mention_limits(motions: &[Motion], context: &Context) {
+    if let Some(words) = LimitsKnown::of(motions).and_then(|known| known.in_words()) {
+        output::note(context, &words);
+    }
 }
 
 /// Says so where preparing a log let its past know something of its future.

@@ -47,6 +47,10 @@ impl Table {
         self.rows.push(Row::Heading(text.to_owned()));
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     pub(crate) fn render(&self) -> String {
         let columns: Vec<Column> = (0..self.header.len())
             .map(|index| self.column(index))

@@ -38,6 +38,7 @@ pub mod cruise;
 mod error;
 pub mod following;
 mod hold_out;
+mod limits;
 pub mod model_words;
 pub mod phase;
 pub mod portrait;
@@ -52,6 +53,7 @@ pub mod words;
 
 pub use error::Error;
 pub use hold_out::{HoldOut, Split};
+pub use limits::LimitsKnown;
 pub use predictions::{
     Predicted, PredictedAhead, PredictedCruise, PredictedFollowing, PredictedPhase, PredictedTrip,
     PredictionSettings, Predictions, predict,

@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::Error;
 use crate::phase::PhasePrediction;
+use crate::words::plural;
 
 /// Distance of two moments of which the speed ahead is predicted.
 const MOMENTS_S: f64 = 1.0;
@@ -42,6 +43,31 @@ pub enum Predictions {
     SpeedAhead(Vec<PredictedAhead>),
     /// Of whole trips.
     Trips(Vec<PredictedTrip>),
+}
+
+impl Predictions {
+    /// How much was predicted without what the model knows of the driver, since the log does not say it; `None` for nothing.
+    #[must_use]
+    pub fn fallbacks_in_words(&self) -> Option<String> {
+        match self {
+            Self::SpeedAhead(logs) => {
+                let fallen = logs.iter().filter(|log| log.falls_back).count();
+                let drives = plural(logs.len(), "drive");
+                (fallen > 0).then(|| {
+                    format!("{fallen} of {drives} do not say what the driver does, which the model knows: predicted without")
+                })
+            }
+            Self::Phases(logs) => {
+                let phases = || logs.iter().flat_map(|log| &log.phases);
+                let fallen = phases().filter(|phase| phase.prediction.fallback).count();
+                let phases = plural(phases().count(), "phase");
+                (fallen > 0).then(|| {
+                    format!("{fallen} of {phases} predicted by a fallback: the nearest speed group, or without what the log does not say")
+                })
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A drive with its phases or stretches.
@@ -108,6 +134,8 @@ pub struct PredictedFollowing {
 pub struct PredictedAhead {
     /// Name of the log.
     pub name: String,
+    /// Whether the model knows what the driver does and the log does not say it.
+    pub falls_back: bool,
     /// Moments predicted from, on the clock of the drive's start.
     pub moments_s: Vec<f64>,
     /// By horizon.
@@ -282,6 +310,7 @@ impl PredictedAhead {
         let moments_s = origins.iter().map(|&o| o as f64 * motion.step_s());
         Ok(Self {
             name: motion.name().to_owned(),
+            falls_back: model.falls_back(motion),
             moments_s: moments_s.collect(),
             horizons,
         })

@@ -90,7 +90,7 @@ pub enum Error {
     },
     /// A model needs speed limits and the log has none.
     #[error(
-        "{log}: no speed limits, which this model needs; give logs with a column such as speed_limit_kmh"
+        "{log}: no speed limits, or for less than half of the time, which this model needs; give logs with a column such as speed_limit_kmh"
     )]
     NoLimits {
         /// Name of the drive.

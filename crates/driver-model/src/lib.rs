@@ -92,7 +92,7 @@ pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use kind::{ModelKind, Subject};
 pub use model::PhaseModel;
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
-pub use motion::{Motion, SlopeSource};
+pub use motion::{LimitCover, Motion, SlopeSource};
 pub use phase::{Onset, Phase, PhaseCurve, PhaseSpeeds};
 pub use span::{PhaseKind, Span};
 pub use speed_group::SpeedGroup;

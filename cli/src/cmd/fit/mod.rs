@@ -11,7 +11,7 @@ use driver_model::{
 use serde::Serialize;
 
 use super::left_out;
-use super::motions::{mention_finer_grids, motions};
+use super::motions::{mention_finer_grids, mention_limits, motions};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::{self, Input};
@@ -71,6 +71,9 @@ impl FitArgs {
         let prior_motions = super::motions::motions(prior, self.phases.slope_bandwidth)?;
         if self.model.subject() == Subject::SpeedAhead {
             mention_finer_grids(own, context);
+        }
+        if matches!(self.model.subject(), Subject::SpeedAhead | Subject::Trips) {
+            mention_limits(&motions, context);
         }
         let progress = Progress::new(context, "fitting", own.len() + prior.len());
         let finished = || progress.step();

@@ -9,7 +9,7 @@ use driver_model::{DriverModel, LeftOut};
 use serde::Serialize;
 
 use super::left_out;
-use super::motions::{mention_finer_grids, motions};
+use super::motions::{mention_finer_grids, mention_limits, motions};
 use super::phases::PhaseArgs;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format, LogArgs};
@@ -71,12 +71,18 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         mention_finer_grids(&inputs, context);
     }
     let motions = motions(&inputs, args.phases.slope_bandwidth)?;
+    if is_ahead || matches!(file.model, DriverModel::Trip(_)) {
+        mention_limits(&motions, context);
+    }
     let progress = Progress::new(context, "predicting", inputs.len());
     let finished = || progress.step();
     let predicted = predict(&file.model, &motions, &args.settings(), &finished);
     drop(progress);
     let (logs, left_out_drives) = predicted.map_err(with_flags)?;
     left_out::mention(&left_out_drives, context);
+    if let Some(words) = logs.fallbacks_in_words() {
+        output::note(context, &words);
+    }
     let body = Body {
         logs,
         left_out_drives,

@@ -15,7 +15,7 @@ pub struct PhasePrediction {
     pub in_band_pct: f64,
     /// Predicted minus measured speed at the last sample.
     pub final_speed_error_mps: f64,
-    /// The model had no training phase of this speed group and used another's parameter.
+    /// The model had no training phase of this speed group and used another's parameter, or did without what the log does not say.
     pub fallback: bool,
     /// Bands around the predicted speed by rising level, where the model has them.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -163,6 +163,21 @@ pub fn evaluate_trajectory(
     Ok(evaluation)
 }
 
+impl TrajectoryEvaluation {
+    /// The horizons nearest to 5 and to 10 s, where intervals are compared.
+    pub fn shown_horizons(&self) -> impl Iterator<Item = usize> {
+        let nearest = |to_s: f64| {
+            let horizons = self.horizons_s.iter().enumerate();
+            let off = |(_, horizon_s): &(usize, &f64)| (*horizon_s - to_s).abs();
+            horizons
+                .min_by(|a, b| off(a).total_cmp(&off(b)))
+                .map(|(k, _)| k)
+        };
+        let (five, ten) = (nearest(5.0), nearest(10.0));
+        five.into_iter().chain(ten.filter(|_| ten != five))
+    }
+}
+
 impl TrajectorySettings {
     /// How often an evaluation reports progress.
     #[must_use]

@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 
 use super::Trajectories;
 use super::free_run::{FreeRuns, curve};
-use crate::Error;
 use crate::speed_ahead::TrajectoryData;
 use crate::speed_ahead::{
     HorizonFigures, HorizonRow, HorizonVerdict, TrialResult, TrialTrip, TripFigures, TripSummary,
@@ -18,6 +17,7 @@ use crate::speed_ahead::{
 use crate::trip_driver::{FreeRunEvaluation, FreeRunSummary, FreeRunTrip};
 use crate::units::{Units, UnitsEntry};
 use crate::words::millimetres;
+use crate::{Error, LimitsKnown};
 
 /// What a document says of [`Trajectories`].
 #[derive(Debug, Serialize)]
@@ -40,6 +40,10 @@ pub struct TrajectoryDocument<'a> {
     left_out_drives: &'a [LeftOut],
     /// Parts without figures, with the reason.
     not_evaluated: &'a BTreeMap<&'static str, String>,
+    /// How the drives know their speed limits.
+    limits: Option<LimitsKnown>,
+    /// What models with `+channels` in their name are told of the driver.
+    channels: Vec<&'static str>,
     /// The vehicle, where none was named.
     default_vehicle: Option<&'static str>,
 }
@@ -178,6 +182,12 @@ impl<'a> TrajectoryDocument<'a> {
             free_run: free_runs.as_ref().map(FreeRun::new),
             left_out_drives: &trajectories.left_out,
             not_evaluated: &trajectories.not_evaluated,
+            limits: LimitsKnown::of(&data.motions),
+            channels: evaluation
+                .channels
+                .iter()
+                .map(|c| c.channel().name())
+                .collect(),
             default_vehicle,
             left_out: evaluation
                 .left_out

@@ -1,5 +1,6 @@
 //! A drive as models see it, made once from its log.
 
+mod limit;
 mod slope;
 
 use std::collections::BTreeMap;
@@ -9,6 +10,7 @@ use drive_log::{Channel, Drive, DriveLog, Preparation, RawLog};
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
 use crate::Error;
+pub use limit::LimitCover;
 pub use slope::SlopeSource;
 
 /// A drive without a break: its log, and what models ask of it besides. A clone shares all of it.
@@ -18,6 +20,7 @@ pub struct Motion {
     log: DriveLog,
     distance_m: Arc<[f64]>,
     limit_mps: Option<Arc<[f64]>>,
+    limit_cover: Option<LimitCover>,
     slope_source: SlopeSource,
     slope_rad: Option<Arc<[f64]>>,
 }
@@ -73,10 +76,15 @@ impl Motion {
     fn of_piece(drive: Arc<str>, log: &DriveLog, slope_bandwidth_m: f64) -> Result<Self, Error> {
         let (slope_source, slope_rad) =
             slope::of_log(log, slope_bandwidth_m).map_err(|error| error.in_log(log.name()))?;
+        let recorded = log.channel(Channel::SpeedLimit);
+        let (limit_mps, limit_cover) = recorded
+            .and_then(|limits| limit::filled(limits, log.step_s()))
+            .unzip();
         Ok(Self {
             drive,
             distance_m: log.distance_m().into(),
-            limit_mps: log.channel(Channel::SpeedLimit).and_then(held),
+            limit_mps: limit_mps.flatten(),
+            limit_cover,
             slope_source,
             slope_rad: slope_rad.map(Arc::from),
             log: log.clone(),
@@ -144,11 +152,17 @@ impl Motion {
         &self.distance_m
     }
 
-    /// Speed limit where the vehicle is; a missing value is the one before, or the first at the start. `None` where the log has none
-    /// at all.
+    /// Speed limit where the vehicle is; a missing value is the one before, or the first at the start. `None` where the log has none,
+    /// or for less than half of the time.
     #[must_use]
     pub fn limit_mps(&self) -> Option<&[f64]> {
         self.limit_mps.as_deref()
+    }
+
+    /// How much of the speed limit is known, and how much filled; `None` where the log has none at all.
+    #[must_use]
+    pub fn limit_cover(&self) -> Option<LimitCover> {
+        self.limit_cover
     }
 
     /// Slope where the vehicle is; `None` on a level road. As recorded, else from accelerometer and elevation as far as the log has them.

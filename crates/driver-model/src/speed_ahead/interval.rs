@@ -20,6 +20,9 @@ const MOST_PAIRS: usize = 30_000;
 /// No moment is more certain than this share of an average one.
 const LEAST_SHARE: f64 = 0.02;
 
+/// How much of what trees say is believed: few drives teach little, and that is found out on those held back.
+const TRUSTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
 /// Narrower intervals are none.
 const LEAST_WIDTH_MPS: f64 = 1e-3;
 
@@ -44,11 +47,13 @@ pub(super) struct Intervals {
     above: Side,
 }
 
-/// How far the speed may be on one side.
+/// How far the speed may be on one side, in widths: `factor · max((1 − trust) · mean + trust · scale, least)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Side {
     scale: BoostedTrees,
+    mean: f64,
+    trust: f64,
     least: f64,
     factors: Vec<f64>,
 }
@@ -119,7 +124,8 @@ impl Intervals {
         let sound = |values: &[f64]| values.len() == horizons && values.iter().all(positive);
         let side = |side: &Side| {
             side.scale.predictors() == predictors + 2
-                && positive(&side.least)
+                && [side.mean, side.trust, side.least].iter().all(positive)
+                && side.trust <= 1.0
                 && sound(&side.factors)
         };
         sound(&self.one_width_mps)
@@ -138,8 +144,26 @@ fn fill(row: &mut [f64], predictors: &[f64], change: f64, k: usize) {
 
 impl Side {
     fn reach(&self, row: &[f64]) -> f64 {
-        self.scale.answer(row).max(self.least)
+        self.trusted(self.trust, self.scale.answer(row))
     }
+
+    fn trusted(&self, trust: f64, scale: f64) -> f64 {
+        ((1.0 - trust) * self.mean + trust * scale).max(self.least)
+    }
+}
+
+/// An error in widths, and how far one may be for each of [`TRUSTS`].
+#[derive(Debug, Clone, Copy)]
+struct Judged {
+    error: f64,
+    reach: [f64; TRUSTS.len()],
+}
+
+/// What one of [`TRUSTS`] comes to: the sum of the parts of interval scores on this side.
+struct Outcome {
+    trust: f64,
+    factors: Vec<f64>,
+    score: f64,
 }
 
 /// What both sides learn from.
@@ -152,27 +176,63 @@ struct Task<'a> {
 
 impl Task<'_> {
     fn side(&self, sign: f64) -> Result<Option<Side>, Error> {
-        let mut side = self.scale(None, sign)?;
-        let mut ratios = vec![Vec::new(); self.one_width_mps.len()];
+        let judged = self.judged(sign)?;
+        let outcomes = TRUSTS
+            .iter()
+            .filter_map(|&trust| self.outcome(trust, &judged));
+        let best = outcomes.min_by(|a, b| a.score.total_cmp(&b.score));
+        let Some(Outcome { trust, factors, .. }) = best else {
+            return Ok(None);
+        };
+        let side = self.scale(None, sign)?;
+        Ok(Some(Side {
+            trust,
+            factors,
+            ..side
+        }))
+    }
+
+    /// Per horizon every error in widths, beside what the trees of the other parts say for each trust.
+    fn judged(&self, sign: f64) -> Result<Vec<Vec<Judged>>, Error> {
+        let mut judged = vec![Vec::new(); self.one_width_mps.len()];
         for (number, part) in self.parts.iter().enumerate() {
             let judge = self.scale(Some(number), sign)?;
             let mut row = vec![0.0; self.predictors + 2];
             for (moment, predictors) in part.rows.chunks_exact(self.predictors).enumerate() {
-                for (k, (ratios, width)) in ratios.iter_mut().zip(&self.one_width_mps).enumerate() {
+                for (k, (judged, width)) in judged.iter_mut().zip(&self.one_width_mps).enumerate() {
                     let (change, error) = (part.changes_mps[moment][k], part.errors_mps[moment][k]);
                     fill(&mut row, predictors, change / width, k);
-                    ratios.push(sign * error / width / judge.reach(&row));
+                    let scale = judge.scale.answer(&row);
+                    judged.push(Judged {
+                        error: sign * error / width,
+                        reach: TRUSTS.map(|trust| judge.trusted(trust, scale)),
+                    });
                 }
             }
         }
-        let factors = ratios
-            .into_iter()
-            .map(|ratios| conformal_quantile(ratios, self.coverage));
-        let factors: Option<Vec<f64>> = factors.map(|factor| factor.map(|f| f.max(0.0))).collect();
-        Ok(factors.map(|factors| {
-            side.factors = factors;
-            side
-        }))
+        Ok(judged)
+    }
+
+    /// What so much trust comes to; `None` where there are too few errors.
+    fn outcome(&self, trust: f64, judged: &[Vec<Judged>]) -> Option<Outcome> {
+        let place = TRUSTS.iter().position(|&known| known == trust)?;
+        let mut outcome = Outcome {
+            trust,
+            factors: Vec::new(),
+            score: 0.0,
+        };
+        for judged in judged {
+            let ratio = |judged: &Judged| judged.error / judged.reach[place];
+            let factor = conformal_quantile(judged.iter().map(ratio).collect(), self.coverage)?;
+            let factor = factor.max(0.0);
+            let score = |judged: &Judged| {
+                let reach = factor * judged.reach[place];
+                reach + (judged.error - reach).max(0.0) / (1.0 - self.coverage)
+            };
+            outcome.score += judged.iter().map(score).sum::<f64>();
+            outcome.factors.push(factor);
+        }
+        Some(outcome)
     }
 
     /// What all parts say but one. Of a moment every horizon in turn is taken, as long as there are not too many.
@@ -205,6 +265,8 @@ impl Task<'_> {
         let mean = reach.iter().sum::<f64>() / reach.len().max(1) as f64;
         Ok(Side {
             scale: BoostedTrees::fit(&rows, self.predictors + 2, &reach, TREES)?,
+            mean,
+            trust: 1.0,
             least: (LEAST_SHARE * mean).max(f64::MIN_POSITIVE),
             factors: Vec::new(),
         })

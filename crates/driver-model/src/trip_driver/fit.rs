@@ -5,15 +5,14 @@ use super::{Slowdowns, TripDriver};
 use crate::{Error, LeftOut, Motion};
 
 impl TripDriver {
-    /// Learns from logs that know the speed limit in every sample. Vehicles ahead are part of it: who predicts from the road
+    /// Learns from logs that know the speed limit. Vehicles ahead are part of it: who predicts from the road
     /// alone does not know them either.
     ///
     /// What the logs do not show has fallbacks: without steady driving the limit is driven, for laws see [`super::AccelerationLaw`]
     /// and [`super::BrakingLaw`]. A dozen trips of 10 min are enough.
     ///
     /// # Errors
-    /// [`Error::Log`] where a limit is missing: a log without limits, or with limits in parts, cannot be used; cut it there.
-    /// [`Error::Option`] for a limit that is none, [`Error::Fit`] without logs.
+    /// [`Error::NoLimits`] for a log without limits, or with limits for less than half of the time; [`Error::Fit`] without logs.
     pub fn fit(motions: &[&Motion]) -> Result<Self, Error> {
         let recordings = motions
             .iter()

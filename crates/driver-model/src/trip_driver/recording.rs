@@ -1,7 +1,5 @@
-use drive_log::{Channel, DriveLog};
-
 use super::zigzag::{Extremum, zigzag};
-use crate::road::limit::{LIMIT_MPS, is_same_limit, rounded_limit};
+use crate::road::limit::{is_same_limit, rounded_limit};
 use crate::road::map::STOP_SPACING_M;
 use crate::road::{
     LimitFrom, Road, RoadKnowledge, RoadMap, RoadStop, STANDSTILL_MPS, SlopeAt, SlowPoint,
@@ -26,7 +24,7 @@ pub struct RecordedTrip {
     pub(super) step_s: f64,
     /// Noise around standstill is 0.
     pub(super) speed_mps: Vec<f64>,
-    /// Rounded, known everywhere.
+    /// Rounded, gaps filled.
     pub(super) limit_mps: Vec<f64>,
     pub(super) distance_m: Vec<f64>,
     /// At the same samples.
@@ -41,11 +39,16 @@ impl RecordedTrip {
     /// Takes a drive.
     ///
     /// # Errors
-    /// [`Error::Log`] where the limit is missing, which says in which log and from where; [`Error::Option`] for a limit that is
-    /// none or a speed that no car has.
+    /// [`Error::NoLimits`] without limits, see [`Motion::limit_mps`]; [`Error::Option`] for a speed that no car has.
     pub fn of(motion: &Motion) -> Result<Self, Error> {
         let log = motion.log();
-        let limit_mps = known_limits(log)?;
+        let limit_mps = motion.limit_mps().ok_or_else(|| Error::NoLimits {
+            log: log.name().to_owned(),
+        })?;
+        let limit_mps = limit_mps
+            .iter()
+            .map(|&limit| rounded_limit(limit))
+            .collect();
         let too_fast = log.speed_mps().iter().find(|v| **v > FASTEST_MPS);
         if let Some(&value) = too_fast {
             return Err(Error::Option {
@@ -203,7 +206,7 @@ impl Road {
     /// The road of a recorded drive, with its slope, its stops and, if they are to be known, its slow points.
     ///
     /// # Errors
-    /// [`Error::Log`] where limits are missing, otherwise as [`Road::new`].
+    /// [`Error::NoLimits`] without limits, otherwise as [`Road::new`].
     pub fn of_motion(motion: &Motion, knowledge: RoadKnowledge) -> Result<Self, Error> {
         Self::of_trip(&RecordedTrip::of(motion)?, knowledge)
     }
@@ -227,39 +230,6 @@ impl Road {
             .collect();
         Self::new(map)
     }
-}
-
-fn known_limits(log: &DriveLog) -> Result<Vec<f64>, Error> {
-    let name = || log.name().to_owned();
-    let channel = Channel::SpeedLimit.name();
-    let Some(limit_mps) = log.channel(Channel::SpeedLimit) else {
-        return Err(Error::Log(drive_log::Error::Length {
-            log: name(),
-            channel,
-            found: 0,
-            expected: log.len(),
-        }));
-    };
-    let unknown = limit_mps.iter().position(|limit| !limit.is_finite());
-    if let Some(index) = unknown {
-        return Err(Error::Log(drive_log::Error::NotFinite {
-            log: name(),
-            channel,
-            index,
-            value: limit_mps[index],
-        }));
-    }
-    if let Some(&value) = limit_mps.iter().find(|l| !LIMIT_MPS.contains(l)) {
-        return Err(Error::Option {
-            name: channel,
-            value,
-            expected: "a limit from 0.5 m/s to 400 km/h in every sample",
-        });
-    }
-    Ok(limit_mps
-        .iter()
-        .map(|&limit| rounded_limit(limit))
-        .collect())
 }
 
 fn distance_m(speed_mps: &[f64], step_s: f64) -> Vec<f64> {

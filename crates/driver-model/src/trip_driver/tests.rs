@@ -210,29 +210,19 @@ fn logs_that_cannot_be_used_say_why() {
     let speed = vec![10.0; 50];
     let said = |motion: &Motion| TripDriver::fit(&[motion]).unwrap_err();
     let without = log_of(vec![(Channel::Speed, speed.clone())], 0.1);
-    assert!(
-        said(&without)
-            .to_string()
-            .contains("speed_limit_mps has 0 samples")
-    );
-    let mut limits = vec![13.9; 50];
-    limits[20] = f64::NAN;
-    let channels = vec![
-        (Channel::Speed, speed.clone()),
-        (Channel::SpeedLimit, limits),
-    ];
-    let in_parts = log_of(channels, 0.1);
-    assert!(matches!(
-        said(&in_parts),
-        Error::Log(drive_log::Error::NotFinite { index: 20, .. })
-    ));
-    assert!(matches!(
-        said(&with_limit(speed.clone(), 139.0, 0.1)),
-        Error::Option {
-            name: "speed_limit_mps",
-            ..
-        }
-    ));
+    assert!(matches!(said(&without), Error::NoLimits { .. }));
+    let known_until = |known: usize| {
+        let limits = (0..50).map(|k| if k < known { 13.9 } else { f64::NAN });
+        let channels = [
+            (Channel::Speed, speed.clone()),
+            (Channel::SpeedLimit, limits.collect()),
+        ];
+        log_of(channels.to_vec(), 0.1)
+    };
+    assert!(matches!(said(&known_until(24)), Error::NoLimits { .. }));
+    assert!(TripDriver::fit(&[&known_until(25)]).is_ok());
+    let none = with_limit(speed.clone(), 139.0, 0.1);
+    assert!(matches!(said(&none), Error::NoLimits { .. }));
     assert!(matches!(TripDriver::fit(&[]), Err(Error::Fit { .. })));
 }
 

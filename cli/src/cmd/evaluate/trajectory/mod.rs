@@ -11,7 +11,7 @@ use ev_energy::Vehicle;
 
 use super::args::EvaluateArgs;
 use crate::cmd::left_out;
-use crate::cmd::motions::{mention_finer_grids, motions};
+use crate::cmd::motions::{mention_finer_grids, mention_limits, motions};
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::inputs::Inputs;
@@ -33,6 +33,7 @@ impl EvaluateArgs {
             .units(inputs, &self.logs.reading.layout()?, context)?;
         mention_finer_grids(inputs, context);
         let motions = motions(inputs, self.phases.slope_bandwidth)?;
+        mention_limits(&motions, context);
         let asked = settings.folds;
         let task = TrajectoryTask::new(motions, &units.of_drives, settings)?;
         left_out::mention(task.left_out(), context);

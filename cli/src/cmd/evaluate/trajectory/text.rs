@@ -22,6 +22,7 @@ pub(super) fn render(heading: &Heading, trajectories: &Trajectories) -> String {
         trajectories.folds,
     );
     text.push_str(&horizons(evaluation));
+    text.push_str(&intervals(evaluation));
     text.push_str(&verdicts(evaluation));
     if !evaluation.trials.is_empty() {
         text.push_str(&trials(heading, evaluation));
@@ -75,6 +76,11 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
         }
     }
     text.push_str(&table.render());
+    if !evaluation.channels.is_empty() {
+        let names = evaluation.channels.iter().map(|c| c.channel().name());
+        let names: Vec<&str> = names.collect();
+        let _ = writeln!(text, "+channels: told of {} as well.", names.join(", "));
+    }
     for row in evaluation.rows.iter().filter(|row| row.unfinished > 0) {
         let _ = writeln!(
             text,
@@ -84,6 +90,46 @@ fn horizons(evaluation: &TrajectoryEvaluation) -> String {
         );
     }
     text
+}
+
+/// How intervals that know the moment do beside those of one width, at the horizons nearest to 5 and 10 s.
+fn intervals(evaluation: &TrajectoryEvaluation) -> String {
+    let mut table = Table::new([
+        "model",
+        "ahead",
+        "90 % holds",
+        "± m/s",
+        "score m/s",
+        "one width: holds",
+        "± m/s",
+        "score m/s",
+        "score",
+    ]);
+    let rows = evaluation.rows.iter().filter(|row| !row.foresees);
+    for (row, k) in rows.flat_map(|row| evaluation.shown_horizons().map(move |k| (row, k))) {
+        let Some((moment, one)) = row.figures[k].interval.zip(row.figures[k].one_width) else {
+            continue;
+        };
+        let change_pct = 100.0 * (moment.score_mps / one.score_mps - 1.0);
+        table.row([
+            row.model.clone(),
+            format!("{} s", evaluation.horizons_s[k]),
+            format!("{} %", number(moment.coverage_pct, 1)),
+            number(moment.half_width_mps, 2),
+            number(moment.score_mps, 2),
+            format!("{} %", number(one.coverage_pct, 1)),
+            number(one.half_width_mps, 2),
+            number(one.score_mps, 2),
+            format!("{change_pct:+.1} %"),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\nIntervals of 90 %: of the moment, and of one width (interval score: width and penalty, less is better)\n\n{}",
+        table.render()
+    )
 }
 
 fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
