@@ -176,16 +176,13 @@ struct Task<'a> {
 
 impl Task<'_> {
     fn side(&self, sign: f64) -> Result<Option<Side>, Error> {
-        let judged = self.judged(sign)?;
+        let side = self.scale(None, sign)?;
+        let judged = self.judged(side.mean, sign)?;
         let outcomes = TRUSTS
             .iter()
             .filter_map(|&trust| self.outcome(trust, &judged));
         let best = outcomes.min_by(|a, b| a.score.total_cmp(&b.score));
-        let Some(Outcome { trust, factors, .. }) = best else {
-            return Ok(None);
-        };
-        let side = self.scale(None, sign)?;
-        Ok(Some(Side {
+        Ok(best.map(|Outcome { trust, factors, .. }| Side {
             trust,
             factors,
             ..side
@@ -193,10 +190,13 @@ impl Task<'_> {
     }
 
     /// Per horizon every error in widths, beside what the trees of the other parts say for each trust.
-    fn judged(&self, sign: f64) -> Result<Vec<Vec<Judged>>, Error> {
+    fn judged(&self, mean: f64, sign: f64) -> Result<Vec<Vec<Judged>>, Error> {
         let mut judged = vec![Vec::new(); self.one_width_mps.len()];
         for (number, part) in self.parts.iter().enumerate() {
-            let judge = self.scale(Some(number), sign)?;
+            let judge = Side {
+                mean,
+                ..self.scale(Some(number), sign)?
+            };
             let mut row = vec![0.0; self.predictors + 2];
             for (moment, predictors) in part.rows.chunks_exact(self.predictors).enumerate() {
                 for (k, (judged, width)) in judged.iter_mut().zip(&self.one_width_mps).enumerate() {
