@@ -246,7 +246,7 @@ fn example_row(example: &Example) -> [String; 7] {
 }
 
 fn interval_table(model: &DirectModel) -> String {
-    let mut table = Table::new(["ahead s", "interval ± km/h"]);
+    let mut table = Table::new(["ahead s", "interval of one width ± km/h"]);
     for (horizon_s, interval_mps) in model.horizons_s().zip(model.one_width_mps()) {
         table.row([
             horizon_s.to_string(),

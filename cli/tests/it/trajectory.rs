@@ -39,7 +39,7 @@ fn models_beat_persistence_and_trips_are_predicted_from_the_road() {
         assert!(rmse("blend", "5") < rmse(baseline, "5"), "{baseline}");
         assert!(document["baselines"][baseline].is_object());
     }
-    let coverage = document["horizons"]["5"]["blend"]["coverage_pct"]
+    let coverage = document["horizons"]["5"]["blend"]["interval"]["coverage_pct"]
         .as_f64()
         .unwrap();
     assert!((80.0..=98.0).contains(&coverage), "{coverage}");

@@ -74,7 +74,8 @@ pub enum ModelKind {
     SvrRbf,
     /// Of the next seconds: least-squares support vector machine, Gaussian kernel on weighted predictors.
     LeastSquares,
-    /// Of the next seconds: mean of [`Self::LeastSquares`] and [`Self::BoostedTrees`].
+    /// Of the next seconds: [`Self::Ridge`], [`Self::LeastSquares`] and [`Self::BoostedTrees`], each with the share that does best on drives held
+    /// back.
     Blend,
     /// Of whole trips over a road, see [`crate::trip_driver`].
     TripDriver,

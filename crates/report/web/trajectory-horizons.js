@@ -14,8 +14,11 @@ function readHorizons(doc) {
   const horizons = sortRows(byHorizon.filter(({ ahead }) => ahead > 0), ({ ahead }) => ahead, false);
   const figures = ({ models }, name) => {
     const raw = object(member(models, name));
-    const [rmse, skill, half, coverage] = ['rmse_mps', 'skill_pct', 'interval_mps', 'coverage_pct'].map((key) => number(raw[key]));
-    return { rmse, skill, half, coverage };
+    const [rmse, skill] = ['rmse_mps', 'skill_pct'].map((key) => number(raw[key]));
+    const [interval, oneWidth] = [object(raw.interval), object(raw.one_width)];
+    const [half, coverage] = ['half_width_mps', 'coverage_pct'].map((key) => number(interval[key]));
+    const score = 100 * (number(interval.score_mps) / number(oneWidth.score_mps) - 1);
+    return { rmse, skill, half, coverage, score };
   };
   const entry = (isBaseline) => ([name, raw]) => ({
     name,
@@ -163,15 +166,20 @@ function verdictTable(verdicts, { ahead, models }) {
 function coverageTable({ ahead, models }) {
   const banded = models.filter(({ figures }) => figures.some(({ coverage }) => Number.isFinite(coverage)));
   if (banded.length === 0) return note('No model has a band.');
-  const groups = ahead.map((at) => el('th', { scope: 'colgroup', colspan: 2 }, `${seconds(at)} ahead`));
-  const pair = () => [
+  const groups = ahead.map((at) => el('th', { scope: 'colgroup', colspan: 3 }, `${seconds(at)} ahead`));
+  const columns = () => [
     el('th', { scope: 'col' }, 'inside', el('small', {}, '%')),
     el('th', { scope: 'col' }, 'half width', el('small', {}, 'm/s')),
+    el('th', { scope: 'col' }, 'score', el('small', {}, '% of one width')),
   ];
-  const cells = ({ coverage, half }) => [el('td', {}, fixed(coverage, 1)), el('td', {}, fixed(half, 2))];
+  const cells = ({ coverage, half, score }) => [
+    el('td', {}, fixed(coverage, 1)),
+    el('td', {}, fixed(half, 2)),
+    el('td', {}, Number.isFinite(score) ? signed(score, 1) : '–'),
+  ];
   const rows = banded.map(({ name, figures }) => el('tr', {}, el('th', { scope: 'row' }, name), ...figures.flatMap(cells)));
-  const head = [el('tr', {}, el('td'), ...groups), el('tr', {}, heading('Model', 'text corner'), ...ahead.flatMap(pair))];
-  return tableBox('90 % band by seconds ahead', head, [el('tbody', {}, ...rows)], rows.length > TALL_ROWS);
+  const head = [el('tr', {}, el('td'), ...groups), el('tr', {}, heading('Model', 'text corner'), ...ahead.flatMap(columns))];
+  return tableBox('90 % intervals by seconds ahead: mean half width, and interval score beside intervals of one width', head, [el('tbody', {}, ...rows)], rows.length > TALL_ROWS);
 }
 
 function horizonSection({ horizons, verdicts, leftOut }) {

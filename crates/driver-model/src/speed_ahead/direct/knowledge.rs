@@ -26,8 +26,12 @@ pub(super) struct Knowledge {
 #[serde(deny_unknown_fields)]
 pub(super) struct Horizon {
     pub(super) horizon_s: f64,
+    /// Of a blend.
+    pub(super) ridge: Option<svr::Model>,
     pub(super) regression: Option<svr::Model>,
     pub(super) trees: Option<BoostedTrees>,
+    /// How much each of these counts, in this order, as far as there are any.
+    pub(super) shares: Vec<f64>,
     /// How the solver of a support vector regression ended.
     pub(super) status: Option<Status>,
 }
@@ -116,27 +120,48 @@ impl Knowledge {
 }
 
 impl Horizon {
-    /// Mean of what there is: a regression, trees, or both.
+    /// Shares of a blend before anything was held back: the mean of regression and trees.
+    pub(super) const EVEN_SHARES: [f64; 3] = [0.0, 0.5, 0.5];
+
     fn changes(&self, rows: &[f64], d: usize) -> Result<Vec<f64>, Error> {
-        let regression = self
-            .regression
-            .as_ref()
-            .map(|model| model.predict(&Samples::new(rows, d)?))
-            .transpose()?;
-        let trees = self.trees.as_ref().map(|trees| trees.predict(rows));
-        Ok(match (regression, trees) {
-            (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect(),
-            (Some(one), None) | (None, Some(one)) => one,
-            (None, None) => vec![0.0; rows.len() / d],
-        })
+        let mut changes = vec![0.0; rows.len() / d];
+        for (part, share) in self.parts(rows, d)?.iter().zip(&self.shares) {
+            for (change, part) in changes.iter_mut().zip(part) {
+                *change += share * part;
+            }
+        }
+        Ok(changes)
+    }
+
+    /// What ridge regression, the other regression, and trees say, as far as there are any.
+    pub(super) fn parts(&self, rows: &[f64], d: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let samples = Samples::new(rows, d)?;
+        let regressions = self.ridge.iter().chain(&self.regression);
+        let mut parts = regressions
+            .map(|model| model.predict(&samples))
+            .collect::<Result<Vec<_>, _>>()?;
+        parts.extend(self.trees.as_ref().map(|trees| trees.predict(rows)));
+        Ok(parts)
     }
 
     fn fits(&self, kind: ModelKind, d: usize) -> bool {
+        let mut regressions = self.ridge.iter().chain(&self.regression);
         let trees = self.trees.as_ref().map(BoostedTrees::predictors);
-        let regression = self.regression.as_ref().map(svr::Model::predictors);
-        regression.is_none_or(|n| n == d)
+        let parts = [
+            self.ridge.is_some(),
+            self.regression.is_some(),
+            trees.is_some(),
+        ];
+        let number = parts.iter().filter(|part| **part).count();
+        regressions.all(|model| model.predictors() == d)
             && trees.is_none_or(|n| n == d)
-            && trees.is_some() == kind.has_trees()
-            && regression.is_some() == kind.has_regression()
+            && parts
+                == [
+                    kind == ModelKind::Blend,
+                    kind.has_regression(),
+                    kind.has_trees(),
+                ]
+            && self.shares.len() == number
+            && self.shares.iter().all(|share| (0.0..=1.0).contains(share))
     }
 }

@@ -1,6 +1,7 @@
 use rayon::prelude::*;
 use svr::{Response, Samples};
 
+use super::held::{Held, shares};
 use super::knowledge::{Horizon, Knowledge};
 use super::{DirectModel, DirectSettings, origins};
 use crate::speed_ahead::boosted_trees::BoostedTrees;
@@ -123,12 +124,7 @@ impl Knowledge {
     ) -> Result<Self, Error> {
         let mut knowledge = Self::fit_points(kind, motions, settings, channels)?;
         if kind.is_fitted() {
-            // One after the other: each may take a gigabyte.
-            let errors =
-                (0..PARTS).map(|part| knowledge.held_errors(part, kind, motions, settings));
-            let errors: Vec<HeldErrors> = errors.collect::<Result<_, _>>()?;
-            let d = knowledge.predictors.len();
-            knowledge.intervals = Intervals::fit(&errors, d, settings.coverage)?;
+            knowledge.learn_from_errors(kind, motions, settings)?;
         }
         Ok(knowledge)
     }
@@ -146,8 +142,13 @@ impl Knowledge {
         let weighted = predictors(step_s, limits, slope, channels);
         let horizon = |&horizon_s| Horizon {
             horizon_s,
+            ridge: None,
             regression: None,
             trees: None,
+            shares: match kind {
+                ModelKind::Blend => Horizon::EVEN_SHARES.to_vec(),
+                _ => vec![1.0; usize::from(kind.is_fitted())],
+            },
             status: None,
         };
         let mut knowledge = Self {
@@ -181,6 +182,12 @@ impl Knowledge {
             .map(|changes| Response::new(changes));
         let responses = responses.collect::<Result<Vec<_>, _>>()?;
         self.samples = samples.len();
+        if kind == ModelKind::Blend {
+            let ridges = ModelKind::Ridge.regressions(&samples, &responses, weights.clone())?;
+            for (horizon, (ridge, _)) in self.horizons.iter_mut().zip(ridges) {
+                horizon.ridge = Some(ridge);
+            }
+        }
         let mut regressions = kind.regressions(&samples, &responses, weights)?.into_iter();
         for horizon in &mut self.horizons {
             if let Some((regression, status)) = regressions.next() {
@@ -198,47 +205,40 @@ impl Knowledge {
         Ok(())
     }
 
-    /// Errors on every third drive, predicted from the others: whole drives, since neighbours resemble each other. Empty where the others
-    /// are too little to learn from.
-    fn held_errors(
-        &self,
-        part: usize,
+    /// Shares and intervals from errors on every third drive, predicted from the others: whole drives, since neighbours resemble each
+    /// other. Parts of which the rest is too little to learn from teach nothing.
+    fn learn_from_errors(
+        &mut self,
         kind: ModelKind,
         motions: &[&Motion],
         settings: &DirectSettings,
-    ) -> Result<HeldErrors, Error> {
-        let (held, others): (Vec<_>, Vec<_>) = motions
-            .iter()
-            .enumerate()
-            .partition(|(i, _)| i % PARTS == part);
-        let others: Vec<&Motion> = others.into_iter().map(|(_, motion)| *motion).collect();
-        let mut errors = HeldErrors::default();
+    ) -> Result<(), Error> {
         let fewer = DirectSettings {
             max_samples: (PART_SAMPLES * settings.max_samples as f64) as usize,
             ..settings.clone()
         };
-        let others = match Self::fit_points(kind, &others, &fewer, &self.channels) {
-            Ok(others) => others,
-            Err(Error::TooFewMoments { .. }) => return Ok(errors),
-            Err(error) => return Err(error),
-        };
-        let longest_s = settings.longest_s();
-        for (_, motion) in held {
-            let origins = origins(motion, longest_s, settings.sample_step_s.max(1.0));
-            let ahead = others.predict(kind, motion, &origins)?;
-            errors.rows.extend(rows(motion, &self.predictors, &origins));
-            for (&origin, ahead) in origins.iter().zip(ahead) {
-                let (speed_mps, here) = (motion.speed_mps(), motion.speed_mps()[origin]);
-                let horizons = settings.horizons_s.iter().zip(&ahead.speed_mps);
-                let error = |(&horizon_s, predicted): (&f64, &f64)| {
-                    speed_mps[origin + motion.samples_in(horizon_s)] - predicted
-                };
-                errors.errors_mps.push(horizons.map(error).collect());
-                let changes = ahead.speed_mps.iter().map(|predicted| predicted - here);
-                errors.changes_mps.push(changes.collect());
+        let mut held = Vec::new();
+        // One after the other: each may take a gigabyte.
+        for part in 0..PARTS {
+            let numbered = motions.iter().copied().enumerate();
+            let (own, others): (Vec<_>, Vec<_>) = numbered.partition(|(i, _)| i % PARTS == part);
+            let [own, others] =
+                [own, others].map(|of| of.into_iter().map(|(_, m)| m).collect::<Vec<_>>());
+            match Self::fit_points(kind, &others, &fewer, &self.channels) {
+                Ok(others) => held.push(Held::of(&others, &own, settings.sample_step_s)?),
+                Err(Error::TooFewMoments { .. }) => {}
+                Err(error) => return Err(error),
             }
         }
-        Ok(errors)
+        for (k, horizon) in self.horizons.iter_mut().enumerate() {
+            if let Some(shares) = shares(&held, k, horizon.shares.len()) {
+                horizon.shares = shares;
+            }
+        }
+        let shares: Vec<Vec<f64>> = self.horizons.iter().map(|h| h.shares.clone()).collect();
+        let errors: Vec<HeldErrors> = held.into_iter().map(|held| held.errors(&shares)).collect();
+        self.intervals = Intervals::fit(&errors, self.predictors.len(), settings.coverage)?;
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The speed some seconds ahead, predicted at once and not step by step: one regression of `v(t + h) − v(t)` per horizon `h`.
 
+mod held;
 mod knowledge;
 mod learning;
 mod regression;

@@ -94,6 +94,104 @@ fn a_drive_of_another_step_or_without_limits_is_refused() {
     assert!(matches!(too_few, Err(Error::TooFewMoments { .. })));
 }
 
+/// The pedal is moved every 4 s; from then on the speed goes to where it points. `has_pedal` says whether the log shows it.
+fn pedalled(seed: u32, has_pedal: bool) -> Motion {
+    let level = |block: u32| f64::from((block * 7919 + seed * 104_729) % 97) / 97.0;
+    let pedal_pct: Vec<f64> = (0..1500).map(|i| 100.0 * level(i / 20)).collect();
+    let mut speed = 10.0;
+    let speed_mps = pedal_pct.iter().map(|pedal| {
+        speed += 0.2 * (0.3 * pedal - speed) / 5.0;
+        speed
+    });
+    let mut channels = vec![(Channel::Speed, speed_mps.collect())];
+    if has_pedal {
+        channels.push((Channel::AcceleratorPedal, pedal_pct));
+    }
+    Motion::of_channels(&format!("{seed}"), 0.2, channels)
+}
+
+#[test]
+fn the_pedal_is_learnt_from_where_logs_have_it_and_drives_without_are_predicted_all_the_same() {
+    let motions: Vec<Motion> = (0..8).map(|seed| pedalled(seed, seed != 3)).collect();
+    let train: Vec<&Motion> = motions.iter().collect();
+    let model = DirectModel::fit(ModelKind::Ridge, &train, &settings()).unwrap();
+    assert_eq!(model.channels(), [DriverChannel::AcceleratorPedal]);
+    assert_eq!(model.drives(), (7, 8));
+    let untold = model.clone().without_channels();
+    assert!(untold.channels().is_empty());
+
+    let (with, without) = (pedalled(20, true), pedalled(20, false));
+    let origins = model.origins(&with, 1.0);
+    let rmse = |model: &DirectModel| model.score(&with, &origins).unwrap()[0].rmse_mps.unwrap();
+    assert!(
+        rmse(&model) < 0.7 * rmse(&untold),
+        "{} {}",
+        rmse(&model),
+        rmse(&untold)
+    );
+    assert!(model.falls_back(&without) && !model.falls_back(&with));
+    assert_eq!(
+        model.predict(&without, &origins).unwrap(),
+        untold.predict(&without, &origins).unwrap()
+    );
+    let few = DirectModel::fit(ModelKind::Ridge, &[&motions[3], &motions[4]], &settings()).unwrap();
+    assert!(
+        few.channels().is_empty(),
+        "half of the time is not most of it"
+    );
+}
+
+/// Calm above 10 m/s, erratic below.
+fn uneven(seed: u32) -> Motion {
+    let mut state = u64::from(seed) + 1;
+    let mut noise = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+    };
+    let speed_mps = (0..3000).map(|i| {
+        let calm = (i / 300) % 2 == 0;
+        if calm {
+            15.0 + 0.1 * noise()
+        } else {
+            5.0 + 3.0 * noise()
+        }
+    });
+    Motion::of_channels(
+        &format!("{seed}"),
+        0.2,
+        [(Channel::Speed, speed_mps.collect())],
+    )
+}
+
+#[test]
+fn intervals_are_narrow_where_the_speed_is_certain_and_hold_their_share() {
+    let motions: Vec<Motion> = (0..9).map(uneven).collect();
+    let (train, test) = (motions[..8].iter().collect::<Vec<_>>(), &motions[8]);
+    let model = DirectModel::fit(ModelKind::Ridge, &train, &settings()).unwrap();
+    let origins = model.origins(test, 1.0);
+    let score = &model.score(test, &origins).unwrap()[0];
+    assert!(
+        (score.inside_pct.unwrap() - 90.0).abs() < 4.0,
+        "{:?}",
+        score.inside_pct
+    );
+    let width = |calm: bool| {
+        let of_kind = origins
+            .iter()
+            .enumerate()
+            .filter(|(_, origin)| ((**origin / 300) % 2 == 0) == calm);
+        mean(of_kind.map(|(k, _)| score.high_mps[k] - score.low_mps[k])).unwrap()
+    };
+    assert!(
+        width(true) < 0.7 * width(false),
+        "{} {}",
+        width(true),
+        width(false)
+    );
+}
+
 /// Small enough that a byte changed at random often hits something that matters.
 fn small_file() -> (String, Motion) {
     let motions: Vec<Motion> = (0..2).map(|k| motion(40.0 * f64::from(k))).collect();
