@@ -59,7 +59,7 @@ fn a_model_file_says_where_it_comes_from() {
     .ok();
     let model: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
-    assert_eq!(model["schema"], "drivekit/model/2");
+    assert_eq!(model["schema"], "drivekit/model/3");
     assert_eq!(model["behaviour"], "acceleration");
     assert_eq!(model["training"]["inputs"][0]["path"], drive);
     assert_eq!(model["config"]["min_gain"], 10.0);

@@ -2,20 +2,34 @@
 
 use drive_log::Channel;
 use serde::{Deserialize, Serialize};
+use strum::{EnumMessage, EnumString, IntoStaticStr, VariantArray};
 
 use crate::Motion;
 
 /// A channel that tells more of the next seconds than speed and limits do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Serialize,
+    Deserialize,
+    EnumMessage,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum DriverChannel {
-    /// [`Channel::AcceleratorPedal`].
+    /// How far the accelerator pedal is down.
     AcceleratorPedal,
-    /// [`Channel::Brake`].
+    /// How much the driver brakes.
     Brake,
-    /// [`Channel::MotorTorque`].
+    /// Torque at the motor shaft.
     MotorTorque,
-    /// [`Channel::Accelerometer`].
+    /// What the car feels along its way.
     Accelerometer,
 }
 

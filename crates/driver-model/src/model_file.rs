@@ -4,7 +4,7 @@ use serde_json::Value;
 use crate::{Behaviour, DriverModel, Error};
 
 /// Schema name and version of model files.
-pub const MODEL_SCHEMA: &str = "drivekit/model/2";
+pub const MODEL_SCHEMA: &str = "drivekit/model/3";
 
 /// Units of everything in a model file.
 const UNITS: &str = "SI: m, s, m/s, m/s²";

@@ -62,7 +62,7 @@ fn foreign_damaged_and_impossible_files_are_refused() {
     let cases = [
         ("", "not JSON"),
         ("{}", "no key `schema`"),
-        (&good.replace("model/2", "model/9"), "drivekit/model/9"),
+        (&good.replace("model/3", "model/9"), "drivekit/model/9"),
         (&good.replace("\"p2\"", "\"q2\""), "q2"),
         (&good.replace("\"inverse\"", "\"unheard-of\""), "unheard-of"),
         (&good[..good.len() / 2], "EOF"),
@@ -93,7 +93,7 @@ fn a_file_of_another_version_or_program_says_what_to_do() {
         r#"{"schema": "drivekit/model/1", "version": "0.1.0", "model": {"kind": "straight"}}"#;
     let reason = refusal(old);
     assert!(reason.contains("`drivekit/model/1`"), "{reason}");
-    assert!(reason.contains("reads `drivekit/model/2`"), "{reason}");
+    assert!(reason.contains("reads `drivekit/model/3`"), "{reason}");
     assert!(reason.contains("drivekit fit"), "{reason}");
 
     let reason = refusal(r#"{"schema": "drivekit/evaluation/1", "models": []}"#);

@@ -86,6 +86,12 @@ impl EvaluateArgs {
             band_mps: self.band_kmh() / 3.6,
             ..TrajectorySettings::default()
         };
+        if !self.trajectory.channels.is_empty() {
+            settings
+                .direct
+                .channels
+                .clone_from(&self.trajectory.channels);
+        }
         settings.trials.max_samples = self.trajectory.max_samples;
         if !self.models.is_empty() {
             if let Some(kind) = self
