@@ -195,3 +195,65 @@ fn what_does_not_fit_together_is_refused() {
         assert!(run.stderr.contains(words), "{}", run.stderr);
     }
 }
+
+/// A drive whose speed goes to where the pedal points, which is moved every 4 s.
+fn pedalled(seed: u32, has_pedal: bool) -> String {
+    let level = |block: u32| f64::from((block * 7919 + seed * 104_729) % 97) / 97.0;
+    let header = if has_pedal {
+        "time_s,speed_mps,accelerator_pedal_pct"
+    } else {
+        "time_s,speed_mps"
+    };
+    let mut text = format!("{header}\n");
+    let mut speed = 10.0;
+    for i in 0..1500 {
+        let pedal = 100.0 * level(i / 20);
+        speed += 0.2 * (0.3 * pedal - speed) / 5.0;
+        text += &format!("{:.1},{speed:.4}", 0.2 * f64::from(i));
+        text += &if has_pedal {
+            format!(",{pedal:.2}\n")
+        } else {
+            "\n".to_owned()
+        };
+    }
+    text
+}
+
+#[test]
+fn what_the_driver_does_is_told_and_said() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let logs: Vec<String> = (0..6).map(|seed| at(&format!("{seed}.csv"))).collect();
+    for (seed, path) in logs.iter().enumerate() {
+        std::fs::write(path, pedalled(seed as u32, true)).unwrap();
+    }
+    let drives = || logs.iter().map(String::as_str);
+    let report = at("ahead.html");
+    let mut arguments = vec!["evaluate", "--step", "0.2", "--report", &report];
+    arguments.extend(QUICK);
+    arguments.extend(drives());
+    let text = drivekit(&arguments).ok().stdout;
+    for said in [
+        "ridge+channels",
+        "+channels: told of accelerator_pedal_pct as well.",
+        "Intervals of 90 %",
+    ] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    let against = |line: &&str| line.starts_with("5 s") && line.matches("+channels").count() == 2;
+    assert_eq!(text.lines().filter(against).count(), 1, "{text}");
+
+    let (model, untold) = (at("ahead.json"), at("untold.csv"));
+    std::fs::write(&untold, pedalled(9, false)).unwrap();
+    let mut arguments = vec!["fit", "--model", "ridge", "--step", "0.2", "-o", &model];
+    arguments.extend(drives());
+    drivekit(&arguments).ok();
+    let shown = drivekit(&["model", "show", &model]).ok().stdout;
+    assert!(
+        shown.contains("told accelerator_pedal_pct, which 6 of 6 drives had"),
+        "{shown}"
+    );
+    let predicted = drivekit(&["predict", &untold, "--step", "0.2", "--model", &model]).ok();
+    let note = "1 of 1 drive predicted without what the driver does";
+    assert!(predicted.stderr.contains(note), "{}", predicted.stderr);
+}

@@ -54,7 +54,7 @@ impl Predictions {
                 let fallen = logs.iter().filter(|log| log.falls_back).count();
                 let drives = plural(logs.len(), "drive");
                 (fallen > 0).then(|| {
-                    format!("{fallen} of {drives} do not say what the driver does, which the model knows: predicted without")
+                    format!("{fallen} of {drives} predicted without what the driver does, which the model knows and the log does not say")
                 })
             }
             Self::Phases(logs) => {

@@ -142,18 +142,18 @@ fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
         "against persistence",
         "over units",
     ]);
-    for (k, verdict) in evaluation.verdicts.iter().enumerate() {
-        let row = evaluation
-            .rows
-            .iter()
-            .find(|row| row.model == verdict.model);
-        let skill = row.map_or(f64::NAN, |row| row.figures[k].skill_pct);
+    for verdict in &evaluation.verdicts {
+        let mut horizons = evaluation.horizons_s.iter();
+        let k = horizons.position(|horizon_s| *horizon_s == verdict.horizon_s);
+        let mut rows = evaluation.rows.iter();
+        let row = rows.find(|row| row.model == verdict.model);
+        let skill = row.zip(k).map(|(row, k)| row.figures[k].skill_pct);
         table.row([
             format!("{} s", verdict.horizon_s),
             verdict.model.clone(),
             verdict.baseline.clone(),
             number(verdict.difference_mps, 4),
-            format!("{} %", number(-skill, 1)),
+            format!("{} %", number(skill.map(|skill| -skill), 1)),
             verdict.verdict.name().to_owned(),
         ]);
     }
