@@ -1,6 +1,6 @@
 //! How drives know their speed limits: what was filled is said.
 
-use driver_model::Motion;
+use driver_model::{LimitCover, Motion};
 use serde::Serialize;
 
 use crate::words::{listed, plural};
@@ -31,8 +31,8 @@ impl LimitsKnown {
         if used.is_empty() && unused.is_empty() {
             return None;
         }
-        let sum = |of: fn(&driver_model::LimitCover) -> f64| used.iter().map(|(_, c)| of(c)).sum();
-        let (all_s, known_s): (f64, f64) = (sum(|c| c.duration_s()), sum(|c| c.known_s));
+        let sum = |of: fn(&LimitCover) -> f64| used.iter().map(|(_, c)| of(c)).sum();
+        let (all_s, known_s): (f64, f64) = (sum(LimitCover::duration_s), sum(|c| c.known_s));
         Some(Self {
             drives: used.len(),
             known_pct: if all_s > 0.0 {

@@ -74,7 +74,7 @@ mod tests {
             back_filled_s: 0.5,
         };
         assert_eq!(cover, expected);
-        assert_eq!(cover.duration_s(), 3.0);
+        assert!((cover.duration_s() - 3.0).abs() < 1e-12);
     }
 
     #[test]

@@ -178,9 +178,7 @@ impl Task<'_> {
     fn side(&self, sign: f64) -> Result<Option<Side>, Error> {
         let side = self.scale(None, sign)?;
         let judged = self.judged(side.mean, sign)?;
-        let outcomes = TRUSTS
-            .iter()
-            .filter_map(|&trust| self.outcome(trust, &judged));
+        let outcomes = (0..TRUSTS.len()).filter_map(|place| self.outcome(place, &judged));
         let best = outcomes.min_by(|a, b| a.score.total_cmp(&b.score));
         Ok(best.map(|Outcome { trust, factors, .. }| Side {
             trust,
@@ -213,11 +211,10 @@ impl Task<'_> {
         Ok(judged)
     }
 
-    /// What so much trust comes to; `None` where there are too few errors.
-    fn outcome(&self, trust: f64, judged: &[Vec<Judged>]) -> Option<Outcome> {
-        let place = TRUSTS.iter().position(|&known| known == trust)?;
+    /// What trust number `place` comes to; `None` where there are too few errors.
+    fn outcome(&self, place: usize, judged: &[Vec<Judged>]) -> Option<Outcome> {
         let mut outcome = Outcome {
-            trust,
+            trust: TRUSTS[place],
             factors: Vec::new(),
             score: 0.0,
         };

@@ -144,7 +144,7 @@ fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
     ]);
     for verdict in &evaluation.verdicts {
         let mut horizons = evaluation.horizons_s.iter();
-        let k = horizons.position(|horizon_s| *horizon_s == verdict.horizon_s);
+        let k = horizons.position(|horizon_s| horizon_s.total_cmp(&verdict.horizon_s).is_eq());
         let mut rows = evaluation.rows.iter();
         let row = rows.find(|row| row.model == verdict.model);
         let skill = row.zip(k).map(|(row, k)| row.figures[k].skill_pct);

@@ -69,7 +69,7 @@ impl DirectModel {
             kind,
             step_s,
             told: None,
-            untold: Knowledge::fit(kind, motions, settings, &[])?,
+            untold: Box::new(Knowledge::fit(kind, motions, settings, &[])?),
         })
     }
 
@@ -93,7 +93,7 @@ impl DirectModel {
             .copied()
             .collect();
         self.told = match Knowledge::fit(self.kind, &with, settings, &channels) {
-            Ok(told) => Some(told),
+            Ok(told) => Some(Box::new(told)),
             Err(Error::TooFewMoments { .. }) => None,
             Err(error) => return Err(error),
         };

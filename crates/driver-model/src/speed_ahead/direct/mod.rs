@@ -28,8 +28,8 @@ pub(super) const LEAST_PAST_S: f64 = 5.0;
 pub struct DirectModel {
     kind: ModelKind,
     step_s: f64,
-    told: Option<Knowledge>,
-    untold: Knowledge,
+    told: Option<Box<Knowledge>>,
+    untold: Box<Knowledge>,
 }
 
 #[derive(Deserialize)]
@@ -37,8 +37,8 @@ pub struct DirectModel {
 struct RawModel {
     kind: ModelKind,
     step_s: f64,
-    told: Option<Knowledge>,
-    untold: Knowledge,
+    told: Option<Box<Knowledge>>,
+    untold: Box<Knowledge>,
 }
 
 impl TryFrom<RawModel> for DirectModel {
@@ -144,11 +144,14 @@ impl DirectModel {
     }
 
     fn best(&self) -> &Knowledge {
-        self.told.as_ref().unwrap_or(&self.untold)
+        self.told.as_deref().unwrap_or(&self.untold)
     }
 
     fn knowledge(&self) -> impl Iterator<Item = &Knowledge> {
-        self.told.iter().chain(std::iter::once(&self.untold))
+        self.told
+            .as_deref()
+            .into_iter()
+            .chain(std::iter::once(&*self.untold))
     }
 
     /// Horizons whose solver stopped before the optimum.
@@ -202,7 +205,7 @@ impl DirectModel {
                 expected_s: self.step_s,
             });
         }
-        let told = self.told.as_ref().filter(|told| told.serves(motion));
+        let told = self.told.as_deref().filter(|told| told.serves(motion));
         let knowledge = told.unwrap_or(&self.untold);
         if knowledge.needs_limits() && motion.limit_mps().is_none() {
             return Err(Error::NoLimits {
