@@ -124,7 +124,7 @@ fn the_pedal_is_learnt_from_where_logs_have_it_and_drives_without_are_predicted_
     let origins = model.origins(&with, 1.0);
     let rmse = |model: &DirectModel| model.score(&with, &origins).unwrap()[0].rmse_mps.unwrap();
     assert!(
-        rmse(&model) < 0.7 * rmse(&untold),
+        rmse(&model) < 0.8 * rmse(&untold),
         "{} {}",
         rmse(&model),
         rmse(&untold)
