@@ -198,7 +198,10 @@ fn what_does_not_fit_together_is_refused() {
 
 /// A drive whose speed goes to where the pedal points, which is moved every 4 s.
 fn pedalled(seed: u32, has_pedal: bool) -> String {
-    let level = |block: u32| f64::from((block * 7919 + seed * 104_729) % 97) / 97.0;
+    let level = |block: u32| {
+        let mixed = (block + 1000 * seed + 1).wrapping_mul(2_654_435_761);
+        f64::from(mixed >> 8) / f64::from(1_u32 << 24)
+    };
     let header = if has_pedal {
         "time_s,speed_mps,accelerator_pedal_pct"
     } else {
