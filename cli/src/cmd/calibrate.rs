@@ -205,7 +205,11 @@ fn parameters(estimates: &[ParameterEstimate]) -> Table {
         table.row([
             estimate.key.to_owned(),
             estimate.unit.to_owned(),
-            number(estimate.start, digits),
+            // Above the bounds stands for no limit.
+            number(
+                Some(estimate.start).filter(|start| *start <= estimate.upper),
+                digits,
+            ),
             number(estimate.value, digits),
             number(estimate.tried, digits),
             number(estimate.ci95.map(|ci| ci[0]), digits),

@@ -247,7 +247,7 @@ fn example_row(example: &Example) -> [String; 7] {
 
 fn interval_table(model: &DirectModel) -> String {
     let mut table = Table::new(["ahead s", "interval of one width ± km/h"]);
-    for (horizon_s, interval_mps) in model.horizons_s().zip(model.one_width_mps()) {
+    for (horizon_s, interval_mps) in model.horizons_s().zip(model.one_width_mps(None)) {
         table.row([
             horizon_s.to_string(),
             number(interval_mps.map(|v| v * 3.6), 1),

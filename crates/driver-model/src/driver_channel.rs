@@ -37,14 +37,6 @@ pub enum DriverChannel {
 const MOST_MISSING: f64 = 0.1;
 
 impl DriverChannel {
-    /// All of them.
-    pub const ALL: [Self; 4] = [
-        Self::AcceleratorPedal,
-        Self::Brake,
-        Self::MotorTorque,
-        Self::Accelerometer,
-    ];
-
     /// The channel of a log.
     #[must_use]
     pub fn channel(self) -> Channel {

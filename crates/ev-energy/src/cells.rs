@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::check::Checker;
+use crate::check::{Checker, argument};
 use crate::error::Error;
 
 /// Cells to which the power refers: their temperature, °C, and their charge, %.
@@ -65,25 +65,13 @@ pub struct CellState {
 impl CellState {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let soc_pct = self.soc_pct.unwrap_or(REFERENCE_PCT);
-        for (name, value, min, max) in [
-            (
-                "cells.temperature_degc",
-                self.temperature_degc,
-                -60.0,
-                120.0,
-            ),
-            ("cells.soc_pct", soc_pct, 0.0, 100.0),
-        ] {
-            if !(min..=max).contains(&value) {
-                return Err(Error::Argument {
-                    name,
-                    value,
-                    min,
-                    max,
-                });
-            }
-        }
-        Ok(())
+        argument(
+            "cells.temperature_degc",
+            self.temperature_degc,
+            -60.0,
+            120.0,
+        )?;
+        argument("cells.soc_pct", soc_pct, 0.0, 100.0)
     }
 }
 

@@ -1,5 +1,18 @@
 use crate::error::Error;
 
+/// Refuses an argument outside `min..=max`.
+pub(crate) fn argument(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), Error> {
+    if (min..=max).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        name,
+        value,
+        min,
+        max,
+    })
+}
+
 /// Range checks of vehicle parameters, with the file or vehicle to blame.
 pub(crate) struct Checker<'a> {
     pub(crate) origin: &'a str,

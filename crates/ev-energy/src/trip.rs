@@ -2,6 +2,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::battery::VoltagePiece;
 use crate::cells::CellState;
+use crate::check::argument;
 use crate::error::Error;
 use crate::operating_point::{Motion, OperatingPoint};
 use crate::road_load::RoadLoad;
@@ -117,17 +118,6 @@ impl Vehicle {
     /// channels of different length and [`Error::Sample`] for a value that is not finite or out of
     /// range; see [`Trip`] for the ranges.
     pub fn trip_points<'a>(&'a self, trip: &Trip<'a>) -> Result<TripPoints<'a>, Error> {
-        let argument = |name, value: f64, min: f64, max: f64| {
-            if (min..=max).contains(&value) {
-                return Ok(());
-            }
-            Err(Error::Argument {
-                name,
-                value,
-                min,
-                max,
-            })
-        };
         argument("step_s", trip.step_s, 1e-3, 1e6)?;
         if let Some(soc_pct) = trip.soc_start_pct {
             argument("soc_start_pct", soc_pct, 0.0, 100.0)?;

@@ -66,7 +66,8 @@ impl VehicleSpec {
     pub(crate) fn add_warm_up_source(&mut self) {
         if !self.warm_up.is_default() {
             let source = || Source {
-                source: "decay that fitted recorded trips of a BMW i3 best".to_owned(),
+                source: "decay of 2.5 min, that of recorded trips of a BMW i3; not fitted here"
+                    .to_owned(),
                 confidence: Confidence::Assumed,
             };
             let key = "warm_up".to_owned();

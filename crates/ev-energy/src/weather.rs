@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::check::Checker;
+use crate::check::{Checker, argument};
 use crate::error::Error;
 
 /// Temperature to which road loads refer, °C.
@@ -80,20 +80,8 @@ pub struct Weather {
 
 impl Weather {
     pub(crate) fn check(&self) -> Result<(), Error> {
-        for (name, value, min, max) in [
-            ("temperature_degc", self.temperature_degc, -90.0, 70.0),
-            ("elevation_m", self.elevation_m, -500.0, 1e4),
-        ] {
-            if !(min..=max).contains(&value) {
-                return Err(Error::Argument {
-                    name,
-                    value,
-                    min,
-                    max,
-                });
-            }
-        }
-        Ok(())
+        argument("temperature_degc", self.temperature_degc, -90.0, 70.0)?;
+        argument("elevation_m", self.elevation_m, -500.0, 1e4)
     }
 
     /// Density of dry air at the pressure of the standard atmosphere (ISO 2533), kg/m³.

@@ -1,5 +1,6 @@
 //! An elevation that stands still where accelerometer and battery feel a hill.
 
+use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::checked::Checked;
@@ -48,15 +49,15 @@ pub(super) fn mend(checked: &mut Checked) {
         };
         let samples = points[place.start].sample..points[place.end - 1].sample + 1;
         let way_m = points[place.end - 1].way_m - points[place.start].way_m;
-        let detail = format!(
+        let mut detail = format!(
             "stands still over {way_m:.0} m on which accelerometer and battery feel {climb_m:.0} m: not used there"
         );
         if !is_back(&points, &place, climb_m)
             && let Some(elevation_m) = checked.log.channels.get_mut(&Channel::Elevation)
         {
-            elevation_m[samples.end..]
-                .iter_mut()
-                .for_each(|m| *m += climb_m);
+            let behind = elevation_m[samples.end..].iter_mut();
+            behind.for_each(|m| *m += climb_m);
+            let _ = write!(detail, ", and {climb_m:.0} m added to all that follows");
         }
         checked.remove(Channel::Elevation, samples.start + 1..samples.end);
         checked.report(

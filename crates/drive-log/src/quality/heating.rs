@@ -226,7 +226,7 @@ fn take_windows(checked: &mut Checked, request_w: &[f64], windows: &Windows, why
     }
     let (taken, asked) = (windows.believed.len(), windows.asked);
     let detail = format!(
-        "{} taken in {taken} of {asked} half minutes in which heat is asked for and the battery delivers it: else {why}",
+        "{} taken in {taken} of {asked} half minutes in which heat is asked for, where the battery delivers it: else {why}",
         Channel::HeatingRequest
     );
     replace(checked, FindingKind::Contradicted, heating_w, detail);

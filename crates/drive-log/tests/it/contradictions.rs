@@ -290,6 +290,8 @@ fn an_elevation_that_stands_still_on_a_hill_that_is_felt() {
     assert!(is_told(&checked), "{:?}", checked.findings);
     let mended_m = checked.log.channel(Channel::Elevation).unwrap();
     assert!(mended_m[1600..1650].iter().all(|m| m.is_nan()));
+    let said = |finding: &drive_log::Finding| finding.detail.contains("added to all that follows");
+    assert!(checked.findings.iter().any(said), "{:?}", checked.findings);
     let moved_m = mended_m[2000] - elevation_m[2000];
     assert!((-50.0..-20.0).contains(&moved_m), "{moved_m}");
 }

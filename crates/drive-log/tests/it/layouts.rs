@@ -99,6 +99,27 @@ fn words_for_missing() {
 }
 
 #[test]
+fn nds_br() {
+    let file = read(
+        "DRIVER;LONG;LAT;DAY;DAY_CORRIGIDO;03:00:00;TRIP;TIME_ACUM;SPD_MPH;SPD_KMH;ALTITUDE_FT;LIMITE_VEL\n\
+         B;-49,2;-25,4;31/8/2019;31/8/2019;23:59:59;5;0;22,4;36;3050197;NPI\n\
+         B;-49,2;-25,4;1/9/2019;1/9/2019;00:00:00;5;1;22,4;36,36;3050197;54\n\
+         B;-49,2;-25,4;1/9/2019;1/9/2019;10:00:00;6;0;22,4;18;3050197;54\n\
+         B;-49,2;-25,4;1/9/2019;1/9/2019;10:00:01;6;1;22,4;18;3050197;54\n",
+    )
+    .unwrap();
+    assert_eq!(file.layout, "nds-br");
+    let [first, second] = &file.logs[..] else {
+        panic!("two trips");
+    };
+    assert_eq!(first.time_s()[1] - first.time_s()[0], 1.0);
+    assert_eq!(first.channel(Channel::Speed), Some(&[10.0, 10.1][..]));
+    let limit_mps = first.channel(Channel::SpeedLimit).unwrap();
+    assert!(limit_mps[0].is_nan() && limit_mps[1] == 15.0);
+    assert_eq!(second.channel(Channel::Speed), Some(&[5.0, 5.0][..]));
+}
+
+#[test]
 fn bmw_i3() {
     let file = read(
         "Time [s];Velocity [km/h];Battery Current [A];SoC [%];max. SoC [%);AirCon Power [kW] ;Heating Power CAN [kW];\

@@ -105,7 +105,7 @@ pub struct FollowingEvaluation {
 /// Holds each unit out once, fits both models on the others, and simulates the held-out stretches.
 ///
 /// # Errors
-/// [`Error::Model`] with less than two units, and where a fit does not converge.
+/// [`Error::Model`] with less than two units, and what fits refuse.
 pub fn evaluate_following(
     stretches: &[FollowingStretch],
     hold_out: &HoldOut,

@@ -58,6 +58,14 @@ impl IntervalSums {
         self.width_sum_mps += other.width_sum_mps;
     }
 
+    /// 95 % interval of the difference of mean scores on the same moments.
+    fn less(&self, other: &Self) -> Option<(f64, f64)> {
+        let units = self.units.iter().zip(&other.units);
+        let judged = units.filter(|(own, _)| own.1 > 0.0);
+        let interval = RatioInterval::of(judged.map(|(a, b)| (a.0 - b.0, a.1)))?;
+        Some((interval.low, interval.high))
+    }
+
     fn figures(&self) -> Option<IntervalFigures> {
         let judged: f64 = self.units.iter().map(|unit| unit.1).sum();
         (judged > 0.0).then(|| IntervalFigures {
@@ -129,6 +137,8 @@ pub struct HorizonFigures {
     pub interval: Option<IntervalFigures>,
     /// Intervals of the same width at every moment, around the same predictions.
     pub one_width: Option<IntervalFigures>,
+    /// 95 % interval over units of the interval score less that of one width; `None` for one unit.
+    pub score_difference_interval_mps: Option<(f64, f64)>,
 }
 
 /// How prediction intervals did.
@@ -180,6 +190,7 @@ impl HorizonRow {
             skill_pct: 0.0,
             interval: errors.of_moment.figures(),
             one_width: errors.one_width.figures(),
+            score_difference_interval_mps: errors.of_moment.less(&errors.one_width),
         });
         let origins = errors.first().map_or(0, |errors| errors.count() as usize);
         Self {

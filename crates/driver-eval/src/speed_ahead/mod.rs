@@ -290,11 +290,11 @@ fn predict_held_out(
     fit_seconds: f64,
 ) -> Result<FoldOutcome, Error> {
     let started = Instant::now();
-    let one_width: Vec<Option<f64>> = model.one_width_mps().collect();
     let units = data.hold_out.units().len();
-    let mut errors = vec![HorizonErrors::none(units); one_width.len()];
+    let mut errors = vec![HorizonErrors::none(units); model.horizons_s().len()];
     for i in split.held_out() {
         let motion = &data.motions[i];
+        let one_width: Vec<Option<f64>> = model.one_width_mps(Some(motion)).collect();
         let origins = model.origins(motion, settings.direct.sample_step_s);
         for (&origin, ahead) in origins.iter().zip(model.predict(motion, &origins)?) {
             for (k, (errors, horizon_s)) in errors.iter_mut().zip(model.horizons_s()).enumerate() {

@@ -13,14 +13,12 @@ use serde::Serialize;
 
 use super::fit::{End, FollowingFit, Prior, Search};
 use super::objective::FollowingObjective;
-use super::{Family, FollowingModel, FollowingStretch};
+use super::{Family, FollowingStretch};
 use crate::Error;
 
-/// Drivers and what is typical of them.
+/// Drivers and how they differ.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FollowingPopulation {
-    /// The mean over drivers: of a driver of whom nothing is known.
-    pub typical: FollowingModel,
     /// Standard deviations over drivers: of the logarithms of parameters, and in m of a gap that may be negative.
     pub spread: BTreeMap<&'static str, f64>,
     /// Every driver's own, in the order they were given.
@@ -44,7 +42,7 @@ impl FollowingPopulation {
     /// Fits a model to every driver, given by the stretches of each, from what was fitted to all of them together.
     ///
     /// # Errors
-    /// [`Error::TooFewStretches`] for a driver with less samples than parameters, and those of [`FollowingModel::fit`].
+    /// [`Error::TooFewStretches`] for a driver with less samples than parameters, and those of [`super::FollowingModel::fit`].
     pub fn fit(pooled: &FollowingFit, drivers: &[Vec<&FollowingStretch>]) -> Result<Self, Error> {
         let all: Vec<&FollowingStretch> = drivers.iter().flatten().copied().collect();
         let objective = FollowingObjective::new(&all);
@@ -211,14 +209,12 @@ impl Population {
             search.from(&[end.clone(), self.free_mean()])
         };
         let drivers = searches.par_iter().zip(ends).map(fit);
-        let typical = self.family.values(&self.free_mean());
         let names = self
             .family
             .parameters
             .iter()
             .map(|parameter| parameter.name);
         Ok(FollowingPopulation {
-            typical: (self.family.model)(&typical),
             spread: names.zip(self.deviation.iter().copied()).collect(),
             drivers: drivers.collect::<Result<_, _>>()?,
         })

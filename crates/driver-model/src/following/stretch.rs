@@ -69,10 +69,21 @@ impl FollowingStretch {
         &self.gap_m
     }
 
-    /// Who drives: the part of the log's name behind `#`, which is the vehicle of a platoon, and otherwise the log.
+    /// Who drives, as far as the log's name tells: behind `#` the vehicle of a platoon, or a column of vehicles or drivers by which the
+    /// file was divided; otherwise the file, whose trips are of one driver.
     #[must_use]
     pub fn driver(&self) -> &str {
-        self.log.split_once('#').map_or(&self.log, |(_, part)| part)
+        let Some((file, part)) = self.log.split_once('#') else {
+            return &self.log;
+        };
+        let is_who = |column: &&str| {
+            let column = column.to_ascii_lowercase();
+            WHO.iter().any(|who| column.starts_with(who))
+        };
+        match part.contains('=') {
+            true => part.split(',').find(is_who).unwrap_or(file),
+            false => part,
+        }
     }
 
     /// Cut into pieces of about so many seconds, at least two, that share the samples they are cut at; none below three samples.
@@ -105,6 +116,9 @@ impl FollowingStretch {
         &self.lead_speed_mps
     }
 }
+
+/// How columns begin that tell drivers apart.
+const WHO: [&str; 4] = ["driver", "veh", "vin", "car"];
 
 /// Below this speed a leader counts as it would at this speed: at standstill no gap is under `5 s · v`, and yet a queue
 /// follows.
@@ -265,6 +279,23 @@ mod tests {
             channels.insert(Channel::LeadSpeed, vec![lead_mps; n]);
         }
         DriveLog::new("log", 7.0, STEP_S, channels).unwrap()
+    }
+
+    #[test]
+    fn trips_of_a_file_are_of_one_driver_and_vehicles_are_not() {
+        let stretch = &stretches(&log(vec![20.0; 300], 10.0, Some(10.0)))[0];
+        for (name, driver) in [
+            ("part22#AUDI_E_TRON", "AUDI_E_TRON"),
+            ("driver_A#trip=5", "driver_A"),
+            ("fleet#trip=5,Vehicle=7", "Vehicle=7"),
+            ("commute", "commute"),
+        ] {
+            let stretch = FollowingStretch {
+                log: name.to_owned(),
+                ..stretch.clone()
+            };
+            assert_eq!(stretch.driver(), driver);
+        }
     }
 
     fn stretches(log: &DriveLog) -> Vec<FollowingStretch> {

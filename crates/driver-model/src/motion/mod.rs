@@ -194,6 +194,7 @@ impl Motion {
     pub(crate) fn without_limits(self) -> Self {
         Self {
             limit_mps: None,
+            limit_cover: None,
             ..self
         }
     }

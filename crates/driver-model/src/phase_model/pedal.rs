@@ -1,4 +1,5 @@
 use serde::{Deserialize, Serialize};
+use strum::VariantArray;
 
 use super::conditioned::{ConditionedProfile, Conditioning};
 use crate::{DriverChannel, Error, Phase, TrainingSet};
@@ -26,8 +27,9 @@ impl PedalProfile {
     /// As [`ConditionedProfile::fit`].
     pub fn fit(training: &TrainingSet<'_>) -> Result<Self, Error> {
         let phases = &training.phases;
-        let channels: Vec<DriverChannel> = DriverChannel::ALL
-            .into_iter()
+        let channels: Vec<DriverChannel> = DriverChannel::VARIANTS
+            .iter()
+            .copied()
             .filter(|&channel| {
                 let with = phases
                     .iter()

@@ -54,19 +54,19 @@ pub(super) enum Predictor {
         seconds: f64,
     },
     /// What the driver does now.
-    Does {
+    Told {
         /// The channel.
         channel: DriverChannel,
     },
     /// What the driver does now less what he did a lag ago.
-    DoesChange {
+    ToldChange {
         /// The channel.
         channel: DriverChannel,
         /// Lag.
         lag_s: f64,
     },
     /// Mean of what the driver did since `t − window`.
-    DoesMean {
+    ToldMean {
         /// The channel.
         channel: DriverChannel,
         /// Window.
@@ -125,9 +125,9 @@ impl DriverChannel {
     /// `bmw-i3`.
     fn predictors(self, step_s: f64) -> Vec<Weighted> {
         let channel = self;
-        let now = |weight| (Predictor::Does { channel }, weight);
-        let change = |lag_s, weight| (Predictor::DoesChange { channel, lag_s }, weight);
-        let mean = |window_s, weight| (Predictor::DoesMean { channel, window_s }, weight);
+        let now = |weight| (Predictor::Told { channel }, weight);
+        let change = |lag_s, weight| (Predictor::ToldChange { channel, lag_s }, weight);
+        let mean = |window_s, weight| (Predictor::ToldMean { channel, window_s }, weight);
         match self {
             Self::AcceleratorPedal => {
                 let mut chosen = vec![now(2.0)];
@@ -170,7 +170,7 @@ impl Predictor {
     /// Whether its times are positive, as those of a file might not be.
     pub(super) fn is_usable(self) -> bool {
         match self {
-            Self::Speed | Self::Does { .. } => true,
+            Self::Speed | Self::Told { .. } => true,
             Self::Change { lag_s: time_s }
             | Self::Deviation { window_s: time_s }
             | Self::Mean { window_s: time_s }
@@ -179,8 +179,8 @@ impl Predictor {
             | Self::Unchanged { cap_s: time_s }
             | Self::Limit { seconds: time_s }
             | Self::Slope { seconds: time_s }
-            | Self::DoesChange { lag_s: time_s, .. }
-            | Self::DoesMean {
+            | Self::ToldChange { lag_s: time_s, .. }
+            | Self::ToldMean {
                 window_s: time_s, ..
             } => (0.0..=1e6).contains(&time_s),
         }
@@ -237,15 +237,15 @@ impl Predictor {
                 }
                 None => vec![0.0; origins.len()],
             },
-            Self::Does { channel } => {
+            Self::Told { channel } => {
                 let values = channel.values(motion);
                 at(&|i| values[i])
             }
-            Self::DoesChange { channel, lag_s } => {
+            Self::ToldChange { channel, lag_s } => {
                 let (values, lag) = (channel.values(motion), motion.samples_in(lag_s));
                 at(&|i| values[i] - values[i.saturating_sub(lag)])
             }
-            Self::DoesMean { channel, window_s } => {
+            Self::ToldMean { channel, window_s } => {
                 let moments = Moments::of(&channel.values(motion));
                 let window = motion.samples_in(window_s);
                 at(&|i| moments.mean(i.saturating_sub(window), i))

@@ -104,12 +104,15 @@ fn intervals(evaluation: &TrajectoryEvaluation) -> String {
         "± m/s",
         "score m/s",
         "score",
+        "95 % from m/s",
+        "to",
     ]);
     let rows = evaluation.rows.iter().filter(|row| !row.foresees);
     for (row, k) in rows.flat_map(|row| evaluation.shown_horizons().map(move |k| (row, k))) {
         let Some((moment, one)) = row.figures[k].interval.zip(row.figures[k].one_width) else {
             continue;
         };
+        let between = row.figures[k].score_difference_interval_mps;
         let change_pct = 100.0 * (moment.score_mps / one.score_mps - 1.0);
         table.row([
             row.model.clone(),
@@ -121,6 +124,8 @@ fn intervals(evaluation: &TrajectoryEvaluation) -> String {
             number(one.half_width_mps, 2),
             number(one.score_mps, 2),
             format!("{change_pct:+.1} %"),
+            number(between.map(|b| b.0), 2),
+            number(between.map(|b| b.1), 2),
         ]);
     }
     if table.is_empty() {

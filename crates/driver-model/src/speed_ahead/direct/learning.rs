@@ -73,7 +73,7 @@ impl DirectModel {
         })
     }
 
-    /// Learns from the channels of `settings` that are recorded in half of the time or more, from the drives that have them all. Unchanged
+    /// Learns from the channels of `settings` that are recorded in more than half of the time, from the drives that have them all. Unchanged
     /// where there are none, or too few moments.
     ///
     /// # Errors
@@ -183,7 +183,7 @@ impl Knowledge {
         let responses = responses.collect::<Result<Vec<_>, _>>()?;
         self.samples = samples.len();
         if kind == ModelKind::Blend {
-            let ridges = ModelKind::Ridge.regressions(&samples, &responses, weights.clone())?;
+            let ridges = ModelKind::Ridge.regressions(&samples, &responses, Vec::new())?;
             for (horizon, (ridge, _)) in self.horizons.iter_mut().zip(ridges) {
                 horizon.ridge = Some(ridge);
             }

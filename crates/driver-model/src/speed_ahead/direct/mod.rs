@@ -143,6 +143,11 @@ impl DirectModel {
         Self { told: None, ..self }
     }
 
+    fn of_drive(&self, motion: &Motion) -> &Knowledge {
+        let told = self.told.as_deref().filter(|told| told.serves(motion));
+        told.unwrap_or(&self.untold)
+    }
+
     fn best(&self) -> &Knowledge {
         self.told.as_deref().unwrap_or(&self.untold)
     }
@@ -178,10 +183,10 @@ impl DirectModel {
         self.untold.horizons.iter().map(|horizon| horizon.horizon_s)
     }
 
-    /// Half width per horizon of the interval that has the same width at every moment, where there is one. Intervals of moments are in
-    /// [`SpeedAhead`].
-    pub fn one_width_mps(&self) -> impl Iterator<Item = Option<f64>> {
-        let best = self.best();
+    /// Half width per horizon of the interval that has the same width at every moment, where there is one: of a drive, or of drives that
+    /// have all channels. Intervals of moments are in [`SpeedAhead`].
+    pub fn one_width_mps(&self, motion: Option<&Motion>) -> impl Iterator<Item = Option<f64>> {
+        let best = motion.map_or_else(|| self.best(), |motion| self.of_drive(motion));
         let width = |k: usize| best.intervals.as_ref().map(|of| of.one_width_mps[k]);
         (0..best.horizons.len()).map(width)
     }
@@ -205,8 +210,7 @@ impl DirectModel {
                 expected_s: self.step_s,
             });
         }
-        let told = self.told.as_deref().filter(|told| told.serves(motion));
-        let knowledge = told.unwrap_or(&self.untold);
+        let knowledge = self.of_drive(motion);
         if knowledge.needs_limits() && motion.limit_mps().is_none() {
             return Err(Error::NoLimits {
                 log: motion.name().to_owned(),

@@ -1,3 +1,5 @@
+use strum::VariantArray;
+
 use crate::{DriverChannel, Error, error};
 
 /// What direct predictions are made of.
@@ -25,7 +27,7 @@ impl Default for DirectSettings {
             max_samples: 16_000,
             sample_step_s: 1.0,
             slope_ahead: false,
-            channels: DriverChannel::ALL.to_vec(),
+            channels: DriverChannel::VARIANTS.to_vec(),
             coverage: 0.9,
         }
     }

@@ -38,7 +38,7 @@ fn what_follows_from_the_past_is_predicted_and_files_keep_it() {
             error(&model)
         );
         assert!(
-            model.one_width_mps().all(|interval| interval.is_some()),
+            model.one_width_mps(None).all(|interval| interval.is_some()),
             "{kind}"
         );
 
