@@ -10,6 +10,7 @@
 //! transition-point   v = v0 + K·h(t)                          knows v0, v_end, T    h of order 2 to 10 per speed group
 //! profile            v = v0 + K·s(t/T)                        knows v0, v_end, T    s is the driver's mean shape
 //! profile-onset      v = v0 + K·s(t/T; v0, T, K, onset)       knows also the onset  with a predictive band
+//! profile-pedal      the same, also of what the driver does    knows also the pedal  and for logs without as profile-onset
 //! baselines          constant (v0, T), straight and smoothstep (v0, v_end, T)
 //! ```
 //!

@@ -39,7 +39,7 @@ pub(crate) struct FitArgs {
     #[serde(flatten)]
     pub(super) prior: PriorArgs,
     /// Model of phases: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
-    /// profile-onset, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap; of the next seconds: svr-linear,
+    /// profile-onset, profile-pedal, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap; of the next seconds: svr-linear,
     /// svr-quadratic, svr-cubic, svr-rbf, least-squares, blend, ridge, boosted-trees; of whole trips: trip-driver
     #[arg(long, value_parser = names::fitted_model(), hide_possible_values = true, value_name = "KIND")]
     pub(super) model: ModelKind,

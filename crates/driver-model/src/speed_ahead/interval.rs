@@ -23,6 +23,9 @@ const LEAST_SHARE: f64 = 0.02;
 /// How much of what trees say is believed: few drives teach little, and that is found out on those held back.
 const TRUSTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
+/// Where the speed never was on this side of a prediction, in widths: none, but for a division.
+const LEAST_REACH: f64 = 1e-6;
+
 /// Narrower intervals are none.
 const LEAST_WIDTH_MPS: f64 = 1e-3;
 
@@ -59,7 +62,8 @@ struct Side {
 }
 
 impl Intervals {
-    /// Learns from errors on several parts of the drives: each part is judged by what the others say. `None` where there are too few.
+    /// Learns from errors on several parts of the drives: each part is judged by what the others say. `None` where there are too few errors, or
+    /// less than two parts.
     pub(super) fn fit(
         parts: &[HeldErrors],
         predictors: usize,
@@ -69,9 +73,10 @@ impl Intervals {
             .iter()
             .filter(|part| !part.errors_mps.is_empty())
             .collect();
-        let Some(horizons) = parts.first().map(|part| part.errors_mps[0].len()) else {
+        let [first, _, ..] = &parts[..] else {
             return Ok(None);
         };
+        let horizons = first.errors_mps[0].len();
         let width = |k: usize| {
             let moments = parts.iter().flat_map(|part| &part.errors_mps);
             conformal_quantile(moments.map(|errors| errors[k].abs()).collect(), coverage)
@@ -177,7 +182,7 @@ struct Task<'a> {
 impl Task<'_> {
     fn side(&self, sign: f64) -> Result<Option<Side>, Error> {
         let side = self.scale(None, sign)?;
-        let judged = self.judged(side.mean, sign)?;
+        let judged = self.judged(&side, sign)?;
         let outcomes = (0..TRUSTS.len()).filter_map(|place| self.outcome(place, &judged));
         let best = outcomes.min_by(|a, b| a.score.total_cmp(&b.score));
         Ok(best.map(|Outcome { trust, factors, .. }| Side {
@@ -188,11 +193,12 @@ impl Task<'_> {
     }
 
     /// Per horizon every error in widths, beside what the trees of the other parts say for each trust.
-    fn judged(&self, mean: f64, sign: f64) -> Result<Vec<Vec<Judged>>, Error> {
+    fn judged(&self, whole: &Side, sign: f64) -> Result<Vec<Vec<Judged>>, Error> {
         let mut judged = vec![Vec::new(); self.one_width_mps.len()];
         for (number, part) in self.parts.iter().enumerate() {
             let judge = Side {
-                mean,
+                mean: whole.mean,
+                least: whole.least,
                 ..self.scale(Some(number), sign)?
             };
             let mut row = vec![0.0; self.predictors + 2];
@@ -264,7 +270,7 @@ impl Task<'_> {
             scale: BoostedTrees::fit(&rows, self.predictors + 2, &reach, TREES)?,
             mean,
             trust: 1.0,
-            least: (LEAST_SHARE * mean).max(f64::MIN_POSITIVE),
+            least: (LEAST_SHARE * mean).max(LEAST_REACH),
             factors: Vec::new(),
         })
     }
@@ -278,4 +284,50 @@ fn conformal_quantile(mut values: Vec<f64>, coverage: f64) -> Option<f64> {
     }
     let (_, quantile, _) = values.select_nth_unstable_by(rank - 1, f64::total_cmp);
     Some(*quantile)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// One predictor and one horizon.
+    fn part(errors_mps: &[f64]) -> HeldErrors {
+        HeldErrors {
+            rows: (0..errors_mps.len()).map(|i| i as f64).collect(),
+            changes_mps: vec![vec![0.0]; errors_mps.len()],
+            errors_mps: errors_mps.iter().map(|error| vec![*error]).collect(),
+        }
+    }
+
+    fn fitted(parts: &[HeldErrors]) -> Option<Intervals> {
+        Intervals::fit(parts, 1, 0.8).unwrap()
+    }
+
+    #[test]
+    fn one_part_or_few_errors_make_no_interval() {
+        let many = part(&[0.5; 60]);
+        assert_eq!(fitted(&[]), None);
+        assert_eq!(fitted(&[many.clone(), HeldErrors::default()]), None);
+        assert_eq!(fitted(&[part(&[1.0]), part(&[1.0])]), None);
+        assert!(fitted(&[many, part(&[1.0])]).is_some());
+    }
+
+    #[test]
+    fn errors_of_one_sign_or_none_have_finite_bounds() {
+        for parts in [
+            [part(&[0.0; 60]), part(&[0.0; 60])],
+            [part(&[0.0; 60]), part(&[2.0; 60])],
+            [part(&[-3.0; 60]), part(&[-3.0; 60])],
+        ] {
+            let intervals = fitted(&parts).unwrap();
+            assert!(intervals.is_sound(1, 1), "{intervals:?}");
+            let bounds = intervals.bounds_mps(0, &[5.0, 50.0], &[0.0, 0.0]);
+            assert!(
+                bounds
+                    .iter()
+                    .all(|(low, high)| low.is_finite() && high.is_finite() && low <= high)
+            );
+        }
+    }
 }
