@@ -9,8 +9,8 @@ use drive_sim::{SynthSettings, simulate};
 use driver_eval::phase::{EvaluationData, EvaluationSettings, leave_one_out};
 use driver_model::phase_model::{Exponential, Inverse};
 use driver_model::{
-    AccelPoint, DriveBehaviour, ModelKind, Motion, Onset, Phase, PhaseKind, PhaseModel,
-    PhaseSettings, TrainingSet,
+    AccelPoint, DriveBehaviour, DriverInput, ModelKind, Motion, Onset, Phase, PhaseKind,
+    PhaseModel, PhaseSettings, TrainingSet,
 };
 use ev_energy::Vehicle;
 
@@ -28,6 +28,7 @@ const OUTLINE: Phase = Phase {
         jerk_mps3: 1.0,
         previous_jerk_mps3: 0.2,
     }),
+    input: DriverInput::NONE,
 };
 
 fn points(n: usize) -> Vec<AccelPoint> {

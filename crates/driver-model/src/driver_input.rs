@@ -23,6 +23,16 @@ const CHANGE_S: f64 = 0.2;
 const SLOW_CHANGE_S: f64 = 1.0;
 
 impl DriverInput {
+    /// Of a log that says nothing of it.
+    pub const NONE: Self = Self {
+        accelerator_pedal_pct: None,
+        accelerator_pedal_change_pct: None,
+        accelerator_pedal_slow_change_pct: None,
+        brake_pct: None,
+        motor_torque_nm: None,
+        accelerometer_mps2: None,
+    };
+
     pub(crate) fn at(motion: &Motion, sample: usize) -> Self {
         let before = |of: DriverChannel, lag: usize| {
             let value = *motion
