@@ -131,6 +131,12 @@ fn models_of_whole_phases_differ_and_settings_are_checked() {
         fitted(PhaseExtent::Threshold).model,
         fitted(PhaseExtent::Whole).model
     );
+    let settings = FitSettings {
+        phases: PhaseSettings::default().reaching(PhaseExtent::Whole),
+        ..FitSettings::default()
+    };
+    let refused = fit_with(ModelKind::Idm, &motions, None, &settings, &|| {});
+    assert!(matches!(refused, Err(Error::NoPhases { .. })));
     for end_accel_mps2 in [0.0, -0.05, f64::NAN, f64::INFINITY] {
         let mut settings = PhaseSettings::default();
         settings.heuristic.end_accel_mps2 = end_accel_mps2;
