@@ -144,7 +144,8 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
     let training = &file.training;
     let mut text = title(file);
     if let DriverModel::Acceleration(model) | DriverModel::Braking(model) = &file.model {
-        let _ = write!(text, ", knows {}", model.kind().knows());
+        let (knows, extent) = (model.kind().knows(), training.extent.words());
+        let _ = write!(text, ", knows {knows}; phases {extent}");
     }
     let _ = writeln!(
         text,

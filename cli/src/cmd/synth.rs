@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use drive_sim::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
-use driver_model::{DriverModel, ModelFile, ModelKind, TrainingRecord};
+use driver_model::{DriverModel, ModelFile, ModelKind, PhaseExtent, TrainingRecord};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -135,6 +135,7 @@ fn true_model(args: &SynthArgs, settings: &SynthSettings) -> anyhow::Result<Stri
         inputs: Vec::new(),
         prior_inputs: Vec::new(),
         prior_weight: 0.0,
+        extent: PhaseExtent::default(),
     };
     let model = settings.driver.acceleration.clone();
     let file = ModelFile::new(

@@ -54,6 +54,7 @@ fn keys_come_in_the_documented_order() {
             "bands",
             "left_out",
             "braking",
+            "whole_phases",
             "function_fits",
             "learning_curve",
             "cruise",

@@ -95,6 +95,37 @@ fn braking_has_its_own_models() {
 }
 
 #[test]
+fn a_model_of_whole_phases_is_applied_to_whole_phases_and_says_so() {
+    let folder = TempDir::new().unwrap();
+    let (drives, test) = (fixture("drives"), fixture("drives/drive-12.csv"));
+    let predicted = |extent: &str| {
+        let file = folder.path().join(format!("{extent}.json"));
+        let file = file.to_str().unwrap();
+        let arguments = ["fit", &drives, "--model", "profile-onset", "--extent"];
+        let fitted = drivekit(&[&arguments[..], &[extent, "-o", file]].concat()).ok();
+        let shown = drivekit(&["model", "show", file]).ok();
+        let run = drivekit(&["predict", &test, "--model", file, "--format", "json"]).ok();
+        let said = run.stderr.contains("phases from begin to end");
+        (
+            fitted.stdout + &shown.stdout,
+            said,
+            run.json()["logs"][0]["phases"].clone(),
+        )
+    };
+    let (cut_words, cut_said, cut) = predicted("threshold");
+    let (whole_words, whole_said, whole) = predicted("whole");
+    assert_eq!(cut_words.matches("phases cut at the threshold").count(), 2);
+    assert_eq!(whole_words.matches("phases from begin to end").count(), 2);
+    assert!(whole_said && !cut_said);
+    let length_s = |phases: &serde_json::Value| {
+        let phases = phases.as_array().unwrap().iter();
+        let lengths = phases.map(|p| p["end_s"].as_f64().unwrap() - p["start_s"].as_f64().unwrap());
+        lengths.sum::<f64>()
+    };
+    assert!(length_s(&whole) > length_s(&cut));
+}
+
+#[test]
 fn functions_of_speed_can_be_fitted_to_all_samples() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("model.json");

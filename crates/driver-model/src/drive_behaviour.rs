@@ -1,8 +1,8 @@
 use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
 use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
-use crate::segmentation::{HeuristicRules, StatisticalRules};
-use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, error, motion};
+use crate::segmentation::{HeuristicRules, PhaseExtent, StatisticalRules};
+use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, Span, error, motion};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +11,8 @@ pub struct PhaseSettings {
     pub heuristic: HeuristicRules,
     /// Route of the function fits.
     pub statistical: StatisticalRules,
+    /// How far the phases of [`DriveBehaviour::phases`] reach; to the threshold.
+    pub extent: PhaseExtent,
     /// Shorter phases do not count; 3 s.
     pub min_duration_s: f64,
     /// Phases that gain less do not count; 10 km/h.
@@ -26,6 +28,7 @@ impl Default for PhaseSettings {
         Self {
             heuristic: HeuristicRules::default(),
             statistical: StatisticalRules::for_models(),
+            extent: PhaseExtent::default(),
             min_duration_s: 3.0,
             min_gain_mps: 10.0 / 3.6,
             following: FollowingSettings::default(),
@@ -34,17 +37,32 @@ impl Default for PhaseSettings {
     }
 }
 
+impl PhaseSettings {
+    /// The same with phases that reach so far.
+    #[must_use]
+    pub fn reaching(self, extent: PhaseExtent) -> Self {
+        Self { extent, ..self }
+    }
+}
+
+/// A whole phase that ends at less would hold standstill and noise.
+const LEAST_END_ACCEL_MPS2: f64 = 1e-3;
+
 /// What models learn from one drive, and what they are judged on when it is held out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveBehaviour {
     /// Name of the drive.
     pub name: String,
-    /// Acceleration and braking phases by the heuristic route that count.
+    /// Acceleration and braking phases by the heuristic route that count, as far as [`PhaseSettings::extent`] says.
     pub phases: Vec<PhaseCurve>,
+    /// Those phases from where they begin to where they end, whatever the extent; two that meet there are one.
+    pub whole_phases: Vec<PhaseCurve>,
     /// Acceleration and braking segments by the statistical route, without a leader.
     pub segments: Vec<Segment>,
     /// Phases that would count but for a leader.
     pub lead_influenced: LeadInfluenced,
+    /// The same of whole phases.
+    pub whole_lead_influenced: LeadInfluenced,
     /// Stretches behind one leader.
     pub following: Vec<FollowingStretch>,
     /// Stretches of cruising without a leader.
@@ -58,6 +76,19 @@ pub struct LeadInfluenced {
     pub acceleration: usize,
     /// Brakings.
     pub braking: usize,
+}
+
+impl LeadInfluenced {
+    /// Counts the phases under a leader's influence and keeps the others.
+    fn split(&mut self, spans: &[Span], curves: Vec<PhaseCurve>, kept: &mut Vec<PhaseCurve>) {
+        for (span, curve) in spans.iter().zip(curves) {
+            match (span.lead_influenced, span.kind) {
+                (false, _) => kept.push(curve),
+                (true, PhaseKind::Braking) => self.braking += 1,
+                (true, _) => self.acceleration += 1,
+            }
+        }
+    }
 }
 
 /// A segment of one kind as the function fits see it.
@@ -84,11 +115,19 @@ impl DriveBehaviour {
             "at least 0 s",
         )?;
         error::at_least("min_gain_mps", settings.min_gain_mps, 0.0, "at least 0 m/s")?;
+        error::at_least(
+            "end_accel_mps2",
+            settings.heuristic.end_accel_mps2,
+            LEAST_END_ACCEL_MPS2,
+            "at least 0.001 m/s²",
+        )?;
         let mut trip = Self {
             name: motion::name(motions).to_owned(),
             phases: Vec::new(),
+            whole_phases: Vec::new(),
             segments: Vec::new(),
             lead_influenced: LeadInfluenced::default(),
+            whole_lead_influenced: LeadInfluenced::default(),
             following: Vec::new(),
             cruise: Vec::new(),
         };
@@ -101,7 +140,19 @@ impl DriveBehaviour {
                 .and_then(|()| trip.add_segments(motion, settings))
                 .map_err(|error| error.in_log(motion.name()))?;
         }
-        Ok(trip)
+        Ok(match settings.extent {
+            PhaseExtent::Threshold => trip,
+            PhaseExtent::Whole => trip.with_whole_phases(),
+        })
+    }
+
+    /// The same drive with its whole phases as the phases that models learn from and are judged on.
+    #[must_use]
+    pub fn with_whole_phases(&self) -> Self {
+        let mut whole = self.clone();
+        whole.phases.clone_from(&self.whole_phases);
+        whole.lead_influenced = self.whole_lead_influenced;
+        whole
     }
 
     /// The phases of one kind.
@@ -115,23 +166,16 @@ impl DriveBehaviour {
     }
 
     fn add_curves(&mut self, motion: &Motion, settings: &PhaseSettings) -> Result<(), Error> {
-        for phase in settings.heuristic.segment(motion.log())?.phases {
-            let Some(curve) = PhaseCurve::cut(motion, &phase) else {
-                continue;
-            };
-            let outline = curve.outline();
-            if phase.kind != curve.kind()
-                || below(outline.duration_s(), settings.min_duration_s)
-                || below(outline.gain_mps().abs(), settings.min_gain_mps)
-            {
-                continue;
-            }
-            match (phase.lead_influenced, phase.kind) {
-                (false, _) => self.phases.push(curve),
-                (true, PhaseKind::Braking) => self.lead_influenced.braking += 1,
-                (true, _) => self.lead_influenced.acceleration += 1,
-            }
-        }
+        let log = motion.log();
+        let cut = settings.heuristic.segment(log)?.phases;
+        let (spans, curves): (Vec<Span>, Vec<PhaseCurve>) =
+            counting(motion, &cut, settings).unzip();
+        let whole = settings.heuristic.whole_phases(log, &spans);
+        self.lead_influenced.split(&spans, curves, &mut self.phases);
+        let (spans, curves): (Vec<Span>, Vec<PhaseCurve>) =
+            counting(motion, &whole, settings).unzip();
+        self.whole_lead_influenced
+            .split(&spans, curves, &mut self.whole_phases);
         Ok(())
     }
 
@@ -160,4 +204,20 @@ impl DriveBehaviour {
         }
         Ok(())
     }
+}
+
+/// The phases that are long enough and gain enough, a leader or not.
+fn counting<'a>(
+    motion: &'a Motion,
+    phases: &'a [Span],
+    settings: &'a PhaseSettings,
+) -> impl Iterator<Item = (Span, PhaseCurve)> + 'a {
+    phases.iter().filter_map(|phase| {
+        let curve = PhaseCurve::cut(motion, phase)?;
+        let outline = curve.outline();
+        let counts = phase.kind == curve.kind()
+            && !below(outline.duration_s(), settings.min_duration_s)
+            && !below(outline.gain_mps().abs(), settings.min_gain_mps);
+        counts.then_some((*phase, curve))
+    })
 }

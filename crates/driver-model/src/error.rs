@@ -118,6 +118,12 @@ pub enum Error {
         /// The model.
         model: ModelKind,
     },
+    /// Whole phases, for a model that is of none.
+    #[error("`{model}` does not learn from phases, whole or cut; only models of phases do")]
+    NoPhases {
+        /// The model.
+        model: ModelKind,
+    },
     /// Drives of different sampling intervals.
     #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; resample it")]
     Steps {

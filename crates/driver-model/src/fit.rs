@@ -7,8 +7,8 @@ use crate::following::FollowingModel;
 use crate::speed_ahead::{DirectModel, DirectSettings};
 use crate::trip_driver::TripDriver;
 use crate::{
-    DriveBehaviour, DriverModel, Error, LeftOut, ModelKind, Motion, PhaseKind, PhaseModel,
-    PhaseSettings, PointsOf, Subject, TrainingSet, motion,
+    DriveBehaviour, DriverModel, Error, LeftOut, ModelKind, Motion, PhaseExtent, PhaseKind,
+    PhaseModel, PhaseSettings, PointsOf, Subject, TrainingSet, motion,
 };
 
 /// Drives of other drivers, from which models of phases learn as well.
@@ -85,7 +85,7 @@ pub fn fit(
 ///
 /// # Errors
 /// [`Error::TooFewPhases`], [`Error::TooFewStretches`], [`Error::TooFewMoments`] and [`Error::NothingUsable`] where there is too little to
-/// learn from, [`Error::NoPrior`] for a prior where the model is none of phases, [`Error::Fit`] where an optimiser stops without a result,
+/// learn from, [`Error::NoPrior`] for a prior and [`Error::NoPhases`] for whole phases where the model is none of phases, [`Error::Fit`] where an optimiser stops without a result,
 /// and whatever finding phases refuses.
 pub fn fit_with(
     kind: ModelKind,
@@ -96,6 +96,9 @@ pub fn fit_with(
 ) -> Result<Fitted, Error> {
     if prior.is_some() && kind.subject() != Subject::Phases {
         return Err(Error::NoPrior { model: kind });
+    }
+    if settings.phases.extent == PhaseExtent::Whole && kind.subject() != Subject::Phases {
+        return Err(Error::NoPhases { model: kind });
     }
     let trips = || find_behaviour(motions, &settings.phases, progress);
     match kind.subject() {

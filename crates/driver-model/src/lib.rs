@@ -95,6 +95,7 @@ pub use model::PhaseModel;
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
 pub use motion::{LimitCover, Motion, SlopeSource};
 pub use phase::{Onset, Phase, PhaseCurve, PhaseSpeeds};
+pub use segmentation::PhaseExtent;
 pub use span::{PhaseKind, Span};
 pub use speed_group::SpeedGroup;
 pub use training::{PointsOf, TrainingPhase, TrainingSet};

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
-use crate::{Behaviour, DriverModel, Error};
+use crate::{Behaviour, DriverModel, Error, PhaseExtent};
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/3";
@@ -33,6 +33,9 @@ pub struct TrainingRecord {
     pub prior_inputs: Vec<TrainingInput>,
     /// Weight of a phase of other drivers beside 1 for an own one; 0 without such logs.
     pub prior_weight: f64,
+    /// How far those phases reach. Files that do not say it are of phases cut at the threshold.
+    #[serde(default)]
+    pub extent: PhaseExtent,
 }
 
 /// A fitted model with where it comes from, as JSON.

@@ -14,6 +14,7 @@ function readReport(source) {
     ...report,
     unit: ['trip', 'file', 'driver'].find((unit) => unit === doc.hold_out) ?? 'trip',
     braking: readBraking(doc.braking, report),
+    whole: object(doc.whole_phases),
     fits: object(doc.function_fits),
     systems: object(doc.system_identification),
     cruise: object(doc.cruise),

@@ -50,7 +50,7 @@ function picker(node, report, shown, onChange) {
 /** Sections that fill themselves and give what draws them anew. */
 const SECTIONS = [
   ...[comparisonSection, bandPhase, bandReliability, fitSection, systemSection],
-  ...[brakingSection, cruiseSection, followingSection, learningSection],
+  ...[brakingSection, wholeSection, cruiseSection, followingSection, learningSection],
 ];
 
 function main() {

@@ -80,7 +80,7 @@ impl EvaluateArgs {
         let trips = args.phases.trips(inputs, context)?;
         let prior = args.phases.trips(prior_inputs, context)?;
         let data = EvaluationData::by_unit(&trips, &units.of_drives).with_prior(&prior);
-        let progress = Progress::new(context, "evaluating", 2 * trips.len());
+        let progress = Progress::new(context, "evaluating", 4 * trips.len());
         let finished = || progress.step();
         let mut findings = evaluate_behaviour(&data, vehicle, &args.settings(), &finished)?;
         drop(progress);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use driver_eval::behaviour::BehaviourEvaluation;
+use driver_eval::behaviour::{BehaviourEvaluation, WholeEvaluation};
 use driver_eval::cruise::CruiseEvaluation;
 use driver_eval::following::{FollowingEvaluation, PairedDrivers};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
@@ -35,6 +35,9 @@ pub(super) fn render(
         text.push_str(&models(heading, trips, evaluation));
         text.push_str(&paired(evaluation));
         text.push_str(&bands(evaluation));
+    }
+    for evaluation in findings.whole.kinds() {
+        text.push_str(&whole(heading, evaluation));
     }
     if let Some(evaluation) = &findings.cruise {
         text.push_str(&cruise(evaluation));
@@ -209,6 +212,38 @@ fn bands(evaluation: &Evaluation) -> String {
         }
     }
     format!("\n{}", table.render())
+}
+
+/// Phases from begin to end.
+fn whole(heading: &Heading, evaluation: &WholeEvaluation) -> String {
+    let band = format!("in ±{} km/h %", number(0.5 * heading.band_kmh, 1));
+    let mut table = Table::new([
+        "model",
+        "knows",
+        "RMSE km/h",
+        "when cut",
+        &band,
+        "in 90 % band %",
+        "less baseline",
+        "95 % from",
+        "to",
+        "better in",
+        "verdict",
+    ]);
+    for (model, figures) in evaluation.rows() {
+        let mut cells = vec![
+            model.name().to_owned(),
+            figures.knows.to_owned(),
+            number(3.6 * figures.rmse_mps, 2),
+            number(figures.threshold_rmse_mps.map(|v| 3.6 * v), 2),
+            number(figures.in_band_pct, 1),
+            number(figures.in_90_pct_band_pct, 1),
+        ];
+        let pair = figures.against_baseline.as_ref().map(paired_row);
+        cells.extend(pair.into_iter().flat_map(|pair| pair.into_iter().skip(1)));
+        table.add(cells);
+    }
+    format!("\n{evaluation}\n\n{}", table.render())
 }
 
 fn learning(points: &[LearningPoint]) -> String {

@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use driver_model::ModelKind;
 use driver_model::speed_ahead::DirectSettings;
+use driver_model::{ModelKind, PhaseExtent};
 use serde::Serialize;
 
 use crate::cmd::phases::PhaseArgs;
@@ -24,6 +24,7 @@ Examples:
   drivekit fit logs/*.csv --model inverse -o inverse.json && drivekit predict new.csv --model inverse.json
   drivekit fit anna/ --prior others/ --prior-weight 0.33 --model profile-conditioned -o anna.json
   drivekit fit logs/ --model rise-time --phase braking -o braking.json
+  drivekit fit logs/ --model profile-pedal --extent whole -o whole.json    phases from where they begin to where they end
   drivekit fit logs/ --model idm -o following.json
   drivekit fit logs/ --model svr-rbf --horizons 1,2,5,10 -o ahead.json && drivekit predict new.csv --model ahead.json --horizon 5
   drivekit fit logs/ --model trip-driver -o trips.json
@@ -46,6 +47,9 @@ pub(crate) struct FitArgs {
     /// Phases to learn from
     #[arg(long, value_enum, default_value_t = Phase::Acceleration, value_name = "KIND")]
     pub(super) phase: Phase,
+    /// How far those phases reach; `predict` takes them as the model's file says
+    #[arg(long, value_parser = names::named::<PhaseExtent>(), default_value = "threshold", value_name = "EXTENT")]
+    pub(super) extent: PhaseExtent,
     /// What a function of speed (inverse, exponential, exponential-amplitude) is fitted to
     #[arg(long, value_enum, default_value_t = Points::Means, value_name = "POINTS")]
     pub(super) to: Points,

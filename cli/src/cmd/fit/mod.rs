@@ -40,6 +40,7 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         } else {
             0.0
         },
+        extent: args.extent,
     };
     let config = serde_json::to_value(args)?;
     let file = ModelFile::new(fitted.model, record, config);
@@ -93,7 +94,7 @@ impl FitArgs {
 
     fn settings(&self) -> FitSettings {
         FitSettings {
-            phases: self.phases.settings(),
+            phases: self.phases.settings().reaching(self.extent),
             manoeuvre: match self.phase {
                 Phase::Acceleration => Manoeuvre::Acceleration,
                 Phase::Braking => Manoeuvre::Braking,

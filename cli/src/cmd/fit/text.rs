@@ -14,8 +14,9 @@ pub(super) fn text(args: &FitArgs, file: &ModelFile, residuals: Option<f64>) -> 
     let what = match behaviour {
         Behaviour::Acceleration | Behaviour::Braking => {
             format!(
-                "{} and {}",
+                "{} {} and {}",
                 plural(training.phases, &format!("{} phase", behaviour.name())),
+                training.extent.words(),
                 plural(training.points, "point")
             )
         }

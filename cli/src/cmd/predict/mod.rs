@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 use driver_eval::{Error, PredictionSettings, Predictions, predict};
-use driver_model::{DriverModel, LeftOut};
+use driver_model::{DriverModel, LeftOut, PhaseExtent};
 use serde::Serialize;
 
 use super::left_out;
@@ -76,14 +76,19 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
     }
     let progress = Progress::new(context, "predicting", inputs.len());
     let finished = || progress.step();
-    let predicted = predict(&file.model, &motions, &args.settings(), &finished);
+    let extent = file.training.extent;
+    let predicted = predict(&file.model, &motions, &args.settings(extent), &finished);
     drop(progress);
     let (logs, left_out_drives) = predicted.map_err(with_flags)?;
     left_out::mention(&left_out_drives, context);
     if let Some(words) = logs.fallbacks_in_words() {
         output::note(context, &words);
     }
+    if extent == PhaseExtent::Whole {
+        output::note(context, "phases from begin to end, as those of the model");
+    }
     let body = Body {
+        extent,
         logs,
         left_out_drives,
     };
@@ -97,9 +102,9 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
 }
 
 impl PredictArgs {
-    fn settings(&self) -> PredictionSettings {
+    fn settings(&self, extent: PhaseExtent) -> PredictionSettings {
         PredictionSettings {
-            phases: self.phases.settings(),
+            phases: self.phases.settings().reaching(extent),
             band_mps: self.band / 3.6,
             horizons_s: self.horizon.clone(),
         }
@@ -117,6 +122,8 @@ fn with_flags(error: Error) -> anyhow::Error {
 
 #[derive(Serialize)]
 struct Body {
+    /// How far phases reach.
+    extent: PhaseExtent,
     logs: Predictions,
     /// Drives that the model cannot predict, with the reason.
     left_out_drives: Vec<LeftOut>,

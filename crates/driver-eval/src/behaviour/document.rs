@@ -11,7 +11,7 @@ use driver_model::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::BehaviourEvaluation;
+use super::{BehaviourEvaluation, WholePhases};
 use crate::cruise::{CruiseEvaluation, CruiseFold, CruiseSummary};
 use crate::following::{
     DriverComparison, FollowingEvaluation, FollowingFold, FollowingSummary, PairedDifference,
@@ -33,6 +33,8 @@ pub struct BehaviourDocument<'a> {
     #[serde(flatten)]
     acceleration: Kind<'a>,
     braking: Option<Kind<'a>>,
+    /// From where phases begin to where they end.
+    whole_phases: &'a WholePhases,
     function_fits: BTreeMap<&'static str, FunctionFits<'a>>,
     learning_curve: Option<&'a [LearningPoint]>,
     cruise: Option<Cruise<'a>>,
@@ -130,6 +132,7 @@ impl<'a> BehaviourDocument<'a> {
                 .as_ref()
                 .map_or_else(Kind::default, Kind::new),
             braking: findings.braking.as_ref().map(Kind::new),
+            whole_phases: &findings.whole,
             function_fits: fits
                 .map(|(kind, fits)| (kind.name(), FunctionFits { fits }))
                 .collect(),

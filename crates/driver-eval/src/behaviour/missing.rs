@@ -34,6 +34,11 @@ impl Missing {
         }
     }
 
+    /// The parts.
+    pub(super) fn into_parts(self) -> BTreeMap<&'static str, String> {
+        self.parts
+    }
+
     /// The parts, or the error of drives that have nothing to evaluate.
     pub(super) fn unless_everything(
         self,

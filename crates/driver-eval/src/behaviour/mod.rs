@@ -3,6 +3,7 @@
 mod contents;
 mod document;
 mod missing;
+mod whole;
 
 use std::collections::BTreeMap;
 
@@ -23,6 +24,7 @@ use crate::phase::{
 pub use contents::{contents, contents_of};
 pub use document::{BehaviourDocument, with_curves};
 use missing::Missing;
+pub use whole::{Reach, WholeEvaluation, WholeFigures, WholePhases};
 
 /// What is evaluated.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,6 +42,8 @@ pub struct BehaviourEvaluation {
     pub acceleration: Option<Evaluation>,
     /// `None` where no drive has a braking phase that counts.
     pub braking: Option<Evaluation>,
+    /// The same from where phases begin to where they end.
+    pub whole: WholePhases,
     /// Functions of speed fitted to everything, accelerations first.
     pub fits: [(PhaseKind, Vec<FunctionFit>); 2],
     /// Of accelerations; `None` where it was not asked for.
@@ -56,7 +60,7 @@ pub struct BehaviourEvaluation {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Evaluates acceleration, braking, cruising and following, as far as there is enough of each. `progress` is called twice per unit.
+/// Evaluates acceleration, braking, cruising and following, as far as there is enough of each. `progress` is called four times per unit.
 ///
 /// # Errors
 /// [`Error::TooFewUnits`], [`Error::Nothing`] where there is too little for every part, [`Error::Model`] for settings out of range and
@@ -76,7 +80,18 @@ pub fn evaluate_behaviour(
     let (behind, by_unit) = data.stretches(|trip| &trip.following);
     let following = missing.unless_enough("following", || evaluate_following(&behind, &by_unit))?;
     let trips = data.trips();
-    let missing = missing.unless_everything(trips)?;
+    let mut missing = missing.unless_everything(trips)?;
+    let mut too_short = Missing::default();
+    let at_threshold = [acceleration.as_ref(), braking.as_ref()];
+    let whole = WholePhases::evaluate(
+        data,
+        at_threshold,
+        vehicle,
+        &settings.phase,
+        &mut too_short,
+        progress,
+    )?;
+    missing.extend(too_short.into_parts());
     let learning = match (&acceleration, settings.learning_curve) {
         (_, false) => None,
         (None, true) => Some(Vec::new()),
@@ -88,6 +103,7 @@ pub fn evaluate_behaviour(
     Ok(BehaviourEvaluation {
         acceleration,
         braking,
+        whole,
         fits: [PhaseKind::Acceleration, PhaseKind::Braking]
             .map(|kind| (kind, function_fits(kind, trips))),
         learning,

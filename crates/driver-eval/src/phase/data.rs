@@ -45,6 +45,25 @@ impl<'a> EvaluationData<'a> {
         self.trips
     }
 
+    /// The trips of other drivers.
+    #[must_use]
+    pub fn prior(&self) -> &'a [DriveBehaviour] {
+        self.prior
+    }
+
+    /// The same units with something else of the same trips.
+    pub(crate) fn with_trips<'b>(
+        &self,
+        trips: &'b [DriveBehaviour],
+        prior: &'b [DriveBehaviour],
+    ) -> EvaluationData<'b> {
+        EvaluationData {
+            trips,
+            prior,
+            hold_out: self.hold_out.clone(),
+        }
+    }
+
     /// Stretches of all trips, those of a unit together, and how they are held out.
     #[must_use]
     pub fn stretches<T: Clone>(&self, of: fn(&DriveBehaviour) -> &[T]) -> (Vec<T>, HoldOut) {

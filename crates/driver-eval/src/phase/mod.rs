@@ -90,6 +90,18 @@ pub struct Evaluation {
     pub phases: Vec<EvaluatedPhase>,
 }
 
+impl Evaluation {
+    /// Of one model; `None` where it is not among those evaluated.
+    #[must_use]
+    pub fn summary(&self, model: ModelKind) -> Option<&Summary> {
+        let summaries = self.models.iter().zip(&self.summaries);
+        summaries
+            .filter(|(kind, _)| **kind == model)
+            .map(|(_, summary)| summary)
+            .next()
+    }
+}
+
 /// Holds each unit out once, fits every model on the others, and predicts the held-out phases of one kind.
 ///
 /// Folds run in parallel on the current rayon pool; the result does not depend on the number of threads.

@@ -5,7 +5,7 @@ use driver_eval::phase::{Evaluation, EvaluationData, EvaluationSettings, leave_o
 use driver_model::phase_model::{ConditionedProfile, Conditioning};
 use driver_model::{
     DriveBehaviour, DriverInput, DriverModel, Error, ModelFile, ModelKind, Onset, Phase,
-    PhaseCurve, PhaseKind, PhaseModel, PhaseSettings, TrainingRecord,
+    PhaseCurve, PhaseExtent, PhaseKind, PhaseModel, PhaseSettings, TrainingRecord,
 };
 use ev_energy::Vehicle;
 use proptest::prelude::*;
@@ -158,6 +158,7 @@ fn file(model: PhaseModel) -> ModelFile {
         inputs: Vec::new(),
         prior_inputs: Vec::new(),
         prior_weight: 0.0,
+        extent: PhaseExtent::default(),
     };
     ModelFile::new(DriverModel::Acceleration(model), training, json!({}))
 }

@@ -21,3 +21,4 @@ mod shared;
 #[allow(dead_code, reason = "for the tests of models too")]
 #[path = "../../../driver-model/tests/it/support.rs"]
 mod support;
+mod whole_phases;

@@ -10,6 +10,8 @@ use crate::{Error, PhaseKind, Span};
 pub struct HeuristicRules {
     /// At least this accelerates, at most its negative brakes; 0.3 m/s².
     pub accel_threshold_mps2: f64,
+    /// A whole phase ends where its acceleration falls below this magnitude, above 0; 0.05 m/s².
+    pub end_accel_mps2: f64,
     /// Cruising is faster than this; 30 km/h.
     pub cruise_speed_mps: f64,
     /// Acceleration under this magnitude counts as 0 in the homogeneity figures, and only there; 0.4 m/s².
@@ -20,6 +22,7 @@ impl Default for HeuristicRules {
     fn default() -> Self {
         Self {
             accel_threshold_mps2: 0.3,
+            end_accel_mps2: 0.05,
             cruise_speed_mps: 30.0 / 3.6,
             accel_deadband_mps2: 0.4,
         }

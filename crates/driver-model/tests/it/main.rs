@@ -21,4 +21,5 @@ mod shared;
 mod step_response;
 mod support;
 mod weights;
+mod whole_phases;
 mod wish;

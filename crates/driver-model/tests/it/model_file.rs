@@ -4,7 +4,7 @@ use driver_model::cruise::{Bias, CruiseModel};
 use driver_model::following::{FollowingModel, Idm};
 use driver_model::phase_model::{Inverse, Profile, RiseTime, SpeedGroup};
 use driver_model::{
-    DriverModel, Error, ModelFile, Phase, PhaseModel, TrainingInput, TrainingRecord,
+    DriverModel, Error, ModelFile, Phase, PhaseExtent, PhaseModel, TrainingInput, TrainingRecord,
 };
 use proptest::prelude::*;
 
@@ -19,6 +19,7 @@ fn file(model: PhaseModel) -> ModelFile {
         inputs: vec![input("drive.csv")],
         prior_inputs: vec![input("other.csv")],
         prior_weight: 1.0 / 3.0,
+        extent: PhaseExtent::Whole,
     };
     let config = serde_json::json!({ "min_gain": 10.0 });
     ModelFile::new(DriverModel::Braking(model), training, config)

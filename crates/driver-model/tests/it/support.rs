@@ -113,9 +113,11 @@ pub(crate) fn trip_of(
     };
     DriveBehaviour {
         name: name.to_owned(),
+        whole_phases: phases.clone(),
         phases,
         segments: points.iter().map(segment).collect(),
         lead_influenced: driver_model::LeadInfluenced::default(),
+        whole_lead_influenced: driver_model::LeadInfluenced::default(),
         following: Vec::new(),
         cruise: Vec::new(),
     }
