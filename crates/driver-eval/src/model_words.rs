@@ -55,10 +55,12 @@ fn ahead_words(model: &DirectModel) -> String {
 fn trip_words(driver: &TripDriver) -> String {
     let (speeds_up, brakes) = (driver.acceleration(), driver.braking());
     format!(
-        "Speeds up with at most {:.2} m/s² and slows down with at most {:.2} m/s²; from 50 km/h to a stop it brakes with {:.2} m/s².",
+        "Speeds up with at most {:.2} m/s² and slows down with at most {:.2} m/s²; from 50 km/h to a stop it brakes with {:.2} m/s².\n\
+         Around the planned speed it rises and falls by {:.2} m/s² all the time, so that whole trips cost what they did.",
         speeds_up.max_mps2,
         brakes.max_mps2,
         brakes.mps2(50.0 / 3.6),
+        driver.unrest_mps2(),
     )
 }
 

@@ -56,6 +56,8 @@ struct FreeRun<'a> {
     /// Stops and slowdowns of the trip itself.
     known: FreeRunFigures<'a>,
     driver: &'a TripDriver,
+    /// Share of the time over which the speed's reading was held and was joined to the next by a straight line.
+    joined_pct: f64,
     left_out: BTreeMap<&'a str, &'a str>,
 }
 
@@ -77,6 +79,7 @@ impl<'a> FreeRun<'a> {
             expected: figures(&runs.expected),
             known: figures(&runs.known),
             driver: &runs.expected.driver,
+            joined_pct: runs.expected.joined_pct,
             left_out: left_out
                 .map(|(log, reason)| (log.as_str(), reason.as_str()))
                 .collect(),

@@ -73,6 +73,8 @@ pub struct FreeRunEvaluation {
     pub folds: Vec<FreeRunFold>,
     /// Fitted to all logs.
     pub driver: TripDriver,
+    /// Share of the time over which the speed's reading was held and was joined to the next by a straight line.
+    pub joined_pct: f64,
 }
 
 /// Holds each unit out once, fits the driver to the others, and predicts the held-out trips from their roads.
@@ -113,7 +115,13 @@ pub fn evaluate_free_run(
         trips: scored,
         left_out,
         folds,
+        joined_pct: joined_pct(&trips),
     })
+}
+
+fn joined_pct(trips: &[Usable<'_>]) -> f64 {
+    let sum = |of: fn(&RecordedTrip) -> f64| trips.iter().map(|(_, trip)| of(trip)).sum::<f64>();
+    100.0 * sum(RecordedTrip::joined_s) / sum(RecordedTrip::duration_s).max(f64::MIN_POSITIVE)
 }
 
 impl FreeRunSettings {

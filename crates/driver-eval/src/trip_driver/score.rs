@@ -1,5 +1,5 @@
 use driver_model::error::at_least;
-use driver_model::trip_driver::{FreeRun, RecordedTrip, interpolated};
+use driver_model::trip_driver::{FreeRun, RecordedTrip, interpolated, restless};
 use ev_energy::{Trip, Vehicle};
 use serde::Serialize;
 
@@ -14,7 +14,8 @@ const BEFORE_END_M: f64 = 1.0;
 /// How far a free run is off a measured trip; predicted minus measured, relative to measured.
 ///
 /// Energies are those at the battery terminals of the vehicle model, for both motions on a grid of 1 s: finer ones would
-/// charge the noise of the recorded speed with the losses of motor and battery.
+/// charge the noise of the recorded speed with the losses of motor and battery. The predicted one includes the driver's unrest, and
+/// recorded readings that are held are joined by straight lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FreeRunScore {
     /// Time up to which both are compared: as asked for, or the end of the log or of the run.
@@ -50,12 +51,14 @@ impl FreeRunScore {
             speed_mps: trip.speed_mps(),
             position_m: trip.distance_m(),
             slope_rad,
+            unrest_mps2: 0.0,
         };
         let predicted = Sampled {
             step_s: run.step_s,
             speed_mps: &run.speed_mps,
             position_m: &run.position_m,
             slope_rad: run.slope_rad.as_deref(),
+            unrest_mps2: run.unrest_mps2,
         };
         let end_s = duration_s.min(measured.end_s()).min(predicted.end_s());
         let (distance_m, predicted_m) = (measured.position_m(end_s), predicted.position_m(end_s));
@@ -89,6 +92,7 @@ struct Sampled<'a> {
     speed_mps: &'a [f64],
     position_m: &'a [f64],
     slope_rad: Option<&'a [f64]>,
+    unrest_mps2: f64,
 }
 
 impl Sampled<'_> {
@@ -122,7 +126,7 @@ impl Sampled<'_> {
                 .map(|k| interpolated(values, k as f64 * step_s / self.step_s))
                 .collect()
         };
-        let speed_mps = sampled(self.speed_mps);
+        let speed_mps = restless(&sampled(self.speed_mps), step_s, self.unrest_mps2);
         let slope_rad = self.slope_rad.map(sampled);
         let trip = Trip {
             step_s,

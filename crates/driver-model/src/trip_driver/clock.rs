@@ -18,6 +18,8 @@ pub struct FreeRun {
     pub slope_rad: Option<Vec<f64>>,
     /// When the trip is over, the stop at its end included.
     pub end_s: f64,
+    /// By which the driver's speed rises and falls around this one, see [`restless`](super::restless).
+    pub unrest_mps2: f64,
 }
 
 impl TripDriver {
@@ -38,7 +40,11 @@ impl TripDriver {
         let mut cap_mps = road.cap_mps().to_vec();
         road.cap_at(&self.expected_slowdowns(road), &mut cap_mps);
         let clock = Clock::of(road, self.plan(road, &cap_mps));
-        clock.sampled(road, step_s, duration_s)
+        let run = clock.sampled(road, step_s, duration_s)?;
+        Ok(FreeRun {
+            unrest_mps2: self.unrest_mps2(),
+            ..run
+        })
     }
 
     /// The slowdowns that are put in on a road whose slow points are not known.
@@ -92,6 +98,7 @@ impl Clock {
                 .slope_rad()
                 .map(|_| Vec::with_capacity(samples as usize)),
             end_s,
+            unrest_mps2: 0.0,
         };
         let mut node = 0;
         for sample in 0..samples as usize {

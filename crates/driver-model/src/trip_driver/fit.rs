@@ -54,6 +54,7 @@ impl TripDriver {
         }
         let wanted = WantedSpeed::fit(recordings);
         let (acceleration, braking) = laws(recordings, &wanted);
-        Self::new(wanted, acceleration, braking, Slowdowns::fit(recordings))
+        let driver = Self::new(wanted, acceleration, braking, Slowdowns::fit(recordings))?;
+        driver.with_unrest_of(recordings)
     }
 }

@@ -16,7 +16,7 @@
 //!
 //! A driver also slows down where neither limit nor stop says so: turns, traffic. [`Slowdowns`] are how often and to what
 //! speed; where the road does not know its slow points they are put in evenly. Without them a trip is some percent too long
-//! and too cheap.
+//! and too cheap. What the recorded trips still cost more, the driver's unrest makes up for, see [`restless`].
 
 mod clock;
 mod fit;
@@ -33,6 +33,7 @@ mod slowdowns;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::float_cmp)]
 mod tests;
+mod unrest;
 mod zigzag;
 
 use std::ops::RangeInclusive;
@@ -47,6 +48,8 @@ pub use habit::{HabitLine, LimitHabit, WantedSpeed};
 pub use law::{AccelerationLaw, BrakingLaw};
 pub use recording::{RecordedTrip, interpolated};
 pub use slowdowns::{LimitSlowdowns, Slowdowns};
+use unrest::UNREST_MPS2;
+pub use unrest::restless;
 
 /// What a driver's trips have in common, learnt from recorded ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,6 +59,7 @@ pub struct TripDriver {
     acceleration: AccelerationLaw,
     braking: BrakingLaw,
     slowdowns: Slowdowns,
+    unrest_mps2: f64,
 }
 
 #[derive(Deserialize)]
@@ -65,23 +69,30 @@ struct Unchecked {
     acceleration: AccelerationLaw,
     braking: BrakingLaw,
     slowdowns: Slowdowns,
+    #[serde(default)]
+    unrest_mps2: f64,
 }
 
 impl TryFrom<Unchecked> for TripDriver {
     type Error = Error;
 
     fn try_from(parts: Unchecked) -> Result<Self, Error> {
-        Self::new(
+        within("unrest_mps2", parts.unrest_mps2, &UNREST_MPS2)?;
+        let driver = Self::new(
             parts.wanted,
             parts.acceleration,
             parts.braking,
             parts.slowdowns,
-        )
+        )?;
+        Ok(Self {
+            unrest_mps2: parts.unrest_mps2,
+            ..driver
+        })
     }
 }
 
 impl TripDriver {
-    /// A driver of known habits.
+    /// A driver of known habits, who drives without unrest.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a value that no fit can produce.
@@ -100,6 +111,7 @@ impl TripDriver {
             acceleration,
             braking,
             slowdowns,
+            unrest_mps2: 0.0,
         })
     }
 
@@ -125,6 +137,13 @@ impl TripDriver {
     #[must_use]
     pub fn slowdowns(&self) -> &Slowdowns {
         &self.slowdowns
+    }
+
+    /// Acceleration by which the speed rises and falls around the plan all the time, see [`restless`]: what trips cost more than evenly
+    /// driven ones.
+    #[must_use]
+    pub fn unrest_mps2(&self) -> f64 {
+        self.unrest_mps2
     }
 }
 

@@ -18,11 +18,19 @@ const SHORTEST_STOP_S: f64 = 1.0;
 /// A low that is this much below every limit around it is a slow point, m/s.
 const BELOW_LIMIT_MPS: f64 = 2.0;
 
+/// Readings that differ by less are one that is held, for at most so long, in a log that holds this share of them. The next one tells by a step
+/// that rounding cannot explain.
+const SAME_MPS: f64 = 1e-6;
+const LEAST_STEP_MPS: f64 = 0.1;
+const LONGEST_HOLD_S: f64 = 10.0;
+const LEAST_HELD: f64 = 0.1;
+
 /// A recorded trip that knows its speed limits, as trip drivers learn from it.
 #[derive(Debug, Clone)]
 pub struct RecordedTrip {
     pub(super) step_s: f64,
-    /// Noise around standstill is 0.
+    joined_s: f64,
+    /// Noise around standstill is 0, readings that are held are joined.
     pub(super) speed_mps: Vec<f64>,
     /// Rounded, gaps filled.
     pub(super) limit_mps: Vec<f64>,
@@ -59,7 +67,9 @@ impl RecordedTrip {
         }
         let moving = |&v: &f64| if v < NOISE_MPS { 0.0 } else { v };
         let speed_mps: Vec<f64> = log.speed_mps().iter().map(moving).collect();
+        let (speed_mps, joined) = joined(speed_mps, (LONGEST_HOLD_S / log.step_s()) as usize);
         let mut recording = Self {
+            joined_s: joined as f64 * log.step_s(),
             step_s: log.step_s(),
             distance_m: distance_m(&speed_mps, log.step_s()),
             extrema: zigzag(&speed_mps),
@@ -97,10 +107,29 @@ impl RecordedTrip {
         &self.speed_mps
     }
 
+    /// Time over which a held reading was joined to the next.
+    #[must_use]
+    pub fn joined_s(&self) -> f64 {
+        self.joined_s
+    }
+
     /// Distance from the start.
     #[must_use]
     pub fn distance_m(&self) -> &[f64] {
         &self.distance_m
+    }
+
+    /// Speed and slope every `step_s`.
+    pub(super) fn on_grid(&self, step_s: f64) -> (Vec<f64>, Option<Vec<f64>>) {
+        let samples = (self.duration_s() / step_s) as usize;
+        let sampled = |values: &Vec<f64>| {
+            let at = |k: usize| interpolated(values, k as f64 * step_s / self.step_s);
+            (0..=samples).map(at).collect()
+        };
+        (
+            sampled(&self.speed_mps),
+            self.slope_rad.as_ref().map(sampled),
+        )
     }
 
     /// From first to last sample.
@@ -229,6 +258,33 @@ impl Road {
             })
             .collect();
         Self::new(map)
+    }
+}
+
+/// Joins the readings of a speed that is held until the next one comes by straight lines: steps would be accelerations that
+/// no car had. Standstill, and what is held for more than `longest` samples, stays; so do all where few are held, as rounded ones
+/// happen to be. With how many samples were changed.
+fn joined(speed_mps: Vec<f64>, longest: usize) -> (Vec<f64>, usize) {
+    let (mut start, mut changed, mut lines) = (0, 0, speed_mps.clone());
+    for next in 1..speed_mps.len() {
+        let (from, to) = (speed_mps[start], speed_mps[next]);
+        if (to - from).abs() <= SAME_MPS {
+            continue;
+        }
+        let held = next - start;
+        if from > 0.0 && held <= longest && (to - from).abs() >= LEAST_STEP_MPS {
+            changed += held - 1;
+            for k in 1..held {
+                lines[start + k] = from + (to - from) * k as f64 / held as f64;
+            }
+        }
+        start = next;
+    }
+    let moving = speed_mps.iter().filter(|speed| **speed > 0.0).count();
+    if changed as f64 > LEAST_HELD * moving as f64 {
+        (lines, changed)
+    } else {
+        (speed_mps, 0)
     }
 }
 

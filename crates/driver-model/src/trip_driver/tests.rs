@@ -317,3 +317,75 @@ fn stops_and_slow_points_are_read_from_a_log() {
     let slow = recording.map.slow_points.unwrap();
     assert_eq!((slow.len(), slow[0].speed_mps), (1, 5.0));
 }
+
+#[test]
+fn readings_that_are_held_are_joined_but_not_standstill_nor_what_holds_for_long() {
+    let read = |speed: &[f64]| {
+        recording::RecordedTrip::of(&with_limit(speed.to_vec(), 13.89, 1.0)).unwrap()
+    };
+    let standing_and_steady = [[0.0; 20], [4.0; 20]].concat();
+    let recording = read(
+        &[
+            &standing_and_steady[..],
+            &[7.0, 7.0, 5.0, 5.0, 5.0, 5.0, 9.0],
+        ]
+        .concat(),
+    );
+    assert_eq!(recording.speed_mps[..40], standing_and_steady);
+    assert_eq!(
+        recording.speed_mps[40..],
+        [7.0, 6.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+    );
+    assert_eq!(recording.joined_s(), 4.0);
+
+    let few = [
+        &[2.0, 3.0, 3.0][..],
+        &(4..40).map(f64::from).collect::<Vec<_>>(),
+    ]
+    .concat();
+    let recording = read(&few);
+    assert_eq!((&recording.speed_mps, recording.joined_s()), (&few, 0.0));
+}
+
+/// A driver's own free runs, as recordings.
+fn recorded(driver: &TripDriver, unrest_mps2: f64) -> Vec<recording::RecordedTrip> {
+    let trips = (0..4).map(|k| {
+        let limits = (0..12).map(|i| LimitFrom {
+            position_m: 900.0 * f64::from(i),
+            limit_mps: if (i + k) % 3 == 0 { 8.33 } else { 13.89 },
+        });
+        let road = Road::new(RoadMap {
+            limits: limits.collect(),
+            stops: vec![stop(0.0, 4.0), stop(2500.0 + 300.0 * f64::from(k), 20.0)],
+            ..map(10_000.0, 13.89)
+        });
+        let road = road.unwrap();
+        let run = driver.drive(&road, 1.0, None).unwrap();
+        let at = |&position_m: &f64| road.limit_mps()[position_m as usize];
+        let channels = vec![
+            (Channel::Speed, restless(&run.speed_mps, 1.0, unrest_mps2)),
+            (Channel::SpeedLimit, run.position_m.iter().map(at).collect()),
+        ];
+        recording::RecordedTrip::of(&log_of(channels, 1.0)).unwrap()
+    });
+    trips.collect()
+}
+
+#[test]
+fn unrest_is_found_again() {
+    for unrest_mps2 in [0.0, 0.3, 0.8] {
+        let recordings = recorded(&driver(), unrest_mps2);
+        let found = driver().with_unrest_of(&recordings.iter().collect::<Vec<_>>());
+        let found_mps2 = found.unwrap().unrest_mps2();
+        assert!(
+            (found_mps2 - unrest_mps2).abs() < 0.15,
+            "{found_mps2} for {unrest_mps2}"
+        );
+    }
+}
+
+#[test]
+fn a_car_that_stands_shows_no_unrest() {
+    let standing = with_limit(vec![0.0; 600], 13.89, 1.0);
+    assert_eq!(TripDriver::fit(&[&standing]).unwrap().unrest_mps2(), 0.0);
+}

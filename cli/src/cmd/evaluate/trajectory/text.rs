@@ -250,7 +250,14 @@ fn free_run(runs: &FreeRuns) -> String {
     text.push_str(&table.render());
     text.push_str(
         "\nWhere neither limit nor stop explains a slowdown (turns, traffic), the first row puts slowdowns in as often as the driver makes them:\n\
-         right on average, not on a single trip. Energy misses more than distance, because the plan brakes more evenly than a driver does.\n",
+         right on average, not on a single trip. What an evenly driven plan costs less than the other trips did, the driver's unrest makes up for.\n",
     );
+    if runs.expected.joined_pct > 1.0 {
+        let _ = writeln!(
+            text,
+            "In {:.0} % of the time the speed's reading was held until the next came; both are joined by straight lines, in what is learnt and in what is compared.",
+            runs.expected.joined_pct,
+        );
+    }
     text
 }
