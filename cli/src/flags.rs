@@ -124,6 +124,9 @@ pub(crate) struct ReadingArgs {
     /// Take a uniform log as it is: no resampling, no smoothing
     #[arg(long)]
     pub(crate) raw: bool,
+    /// Map with speed limits for drives with positions: GeoJSON lines with `maxspeed`, as OpenStreetMap's tools export them
+    #[arg(long, value_name = "FILE.geojson")]
+    pub(crate) limit_map: Option<PathBuf>,
     /// What a broken log does: stop the run, or be skipped and listed, with exit code 1 at the end
     #[arg(long, value_enum, default_value_t = OnError::Stop, value_name = "WHAT")]
     pub(crate) on_error: OnError,

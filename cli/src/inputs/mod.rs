@@ -80,6 +80,7 @@ pub(crate) fn load_quietly(args: &LogArgs, context: &Context) -> anyhow::Result<
     let reading = Reading {
         layout: args.reading.layout()?,
         preparation: args.reading.preparation(),
+        limit_map: args.reading.limit_map.clone(),
         skip_broken: args.reading.on_error == OnError::Skip,
         threads: rayon::current_num_threads(),
     };

@@ -23,6 +23,9 @@ pub(super) fn beside(beside: &Beside, context: &Context) {
         output::note(context, &format!("skipped: `{}`: {}", log.path, log.error));
     }
     twice(&beside.twice, context);
+    if let Some(map) = &beside.limit_map {
+        output::note(context, &map.to_string());
+    }
 }
 
 /// A line for each of the first, and how many more there are.

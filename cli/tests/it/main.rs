@@ -27,6 +27,7 @@ mod fit_predict;
 mod flags;
 mod follow;
 mod inspect;
+mod limit_map;
 mod little_data;
 mod many_logs;
 mod outputs;

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use crate::unit::Quantity;
 
-/// A recorded quantity. Values are in SI units, percent for the state of charge.
+/// A recorded quantity. Values are in SI units, percent for the state of charge, degrees for positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// Vehicle speed, m/s.
@@ -49,11 +49,15 @@ pub enum Channel {
     AmbientTemperature,
     /// Temperature of the cells of the battery, °C.
     BatteryTemperature,
+    /// Where the car is, degrees north (WGS 84).
+    Latitude,
+    /// Where the car is, degrees east (WGS 84).
+    Longitude,
 }
 
 impl Channel {
     /// Every channel, in the order of the columns that [`crate::write_csv`] writes.
-    pub const ALL: [Channel; 20] = [
+    pub const ALL: [Channel; 22] = [
         Channel::Speed,
         Channel::Accel,
         Channel::SpeedLimit,
@@ -74,6 +78,8 @@ impl Channel {
         Channel::HeatingRequest,
         Channel::AmbientTemperature,
         Channel::BatteryTemperature,
+        Channel::Latitude,
+        Channel::Longitude,
     ];
 
     /// The canonical header: what the channel is and its unit, `speed_mps`.
@@ -100,6 +106,8 @@ impl Channel {
             Channel::HeatingRequest => "heating_request_w",
             Channel::AmbientTemperature => "ambient_temperature_degc",
             Channel::BatteryTemperature => "battery_temperature_degc",
+            Channel::Latitude => "latitude_deg",
+            Channel::Longitude => "longitude_deg",
         }
     }
 
@@ -130,6 +138,7 @@ impl Channel {
             Channel::MotorTorque => Quantity::Torque,
             Channel::AuxPower | Channel::HeatingPower | Channel::HeatingRequest => Quantity::Power,
             Channel::AmbientTemperature | Channel::BatteryTemperature => Quantity::Temperature,
+            Channel::Latitude | Channel::Longitude => Quantity::Position,
         }
     }
 }

@@ -335,6 +335,16 @@ pub enum Error {
         /// Samples of the log.
         expected: usize,
     },
+    /// A file that is no map with speed limits.
+    #[error(
+        "{map}: no map with speed limits: {reason}; give GeoJSON with lines that have `maxspeed`, as OpenStreetMap's tools export it"
+    )]
+    LimitMap {
+        /// The file.
+        map: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A value that must be finite is not.
     #[error("{log}: {channel} is {value} at sample {index}; it must be finite")]
     NotFinite {

@@ -64,6 +64,7 @@ mod finding;
 mod head;
 mod header;
 mod layout;
+pub mod limit_map;
 mod lines;
 mod log;
 mod note;

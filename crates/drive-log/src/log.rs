@@ -139,6 +139,16 @@ impl DriveLog {
             .map(|(channel, values)| (*channel, values.as_slice()))
     }
 
+    /// The drive with these values of a channel in place of those that it has.
+    ///
+    /// # Errors
+    /// As [`DriveLog::new`].
+    pub fn with(&self, channel: Channel, values: Vec<f64>) -> Result<DriveLog, Error> {
+        let mut channels = (*self.channels).clone();
+        channels.insert(channel, values);
+        DriveLog::new(self.name.clone(), self.t0_s, self.step_s, channels)
+    }
+
     /// The drive up to its sample number `samples`, or all of it where it is shorter; at least one sample.
     #[must_use]
     pub fn first(&self, samples: usize) -> DriveLog {

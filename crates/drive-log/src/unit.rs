@@ -16,6 +16,7 @@ pub(crate) enum Quantity {
     Torque,
     Power,
     Temperature,
+    Position,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,10 +79,10 @@ const fn temperature(
     }
 }
 
-/// The first unit of each quantity is its SI unit, degrees Celsius for temperatures. A mile is 1609.344 m and a foot 0.3048 m
+/// The first unit of each quantity is its SI unit, degrees Celsius for temperatures and degrees for positions. A mile is 1609.344 m and a foot 0.3048 m
 /// (international yard and pound agreement, 1959), a nautical mile 1852 m (1929); standard gravity
 /// is 9.80665 m/s² (3rd CGPM, 1901).
-const UNITS: [Unit; 33] = [
+const UNITS: [Unit; 34] = [
     Unit::SECOND,
     Unit::MILLISECOND,
     Unit::MICROSECOND,
@@ -115,6 +116,7 @@ const UNITS: [Unit; 33] = [
     temperature("degc", "°C", 0.0, 1.0, 1.0),
     temperature("k", "K", 273.15, 1.0, 1.0),
     temperature("degf", "°F", 32.0, 5.0, 9.0),
+    ratio(Quantity::Position, "deg", "°", 1.0, 1.0),
 ];
 
 /// Other words for a unit, by its suffix.

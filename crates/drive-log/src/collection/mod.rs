@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 pub use crate::error::NoLog;
+use crate::limit_map::LimitMapUse;
 use crate::{Error, LayoutChoice, LogFile, Preparation, prepare, read_file, read_from};
 pub use folders::files_below;
 use paths::{Expanded, Named, expand};
@@ -36,6 +37,9 @@ pub struct Beside {
     pub skipped: Vec<Skipped>,
     /// Files and drives that were there already.
     pub twice: Vec<Repeated>,
+    /// The map that speed limits are from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_map: Option<LimitMapUse>,
 }
 
 /// A log that cannot be used.
@@ -56,6 +60,8 @@ pub struct Reading {
     pub preparation: Preparation,
     /// Whether a broken log is skipped and listed; otherwise it is an error.
     pub skip_broken: bool,
+    /// A map in GeoJSON whose speed limits count where the drives have a position, see [`crate::limit_map`].
+    pub limit_map: Option<PathBuf>,
     /// Files that are read at a time, at least one.
     pub threads: usize,
 }
@@ -98,7 +104,12 @@ impl Collection {
         for (file, logs) in files.iter().zip(read) {
             sorted.add(file, logs);
         }
-        sorted.collection(reading.skip_broken)
+        let mut collection = sorted.collection(reading.skip_broken)?;
+        if let Some(map) = &reading.limit_map {
+            let used = LimitMapUse::of_file(map, &mut collection.drives)?;
+            collection.beside.limit_map = Some(used);
+        }
+        Ok(collection)
     }
 
     /// Of files in memory, with their names.

@@ -12,8 +12,11 @@ use crate::{Action, Channel, FindingKind};
 use renewal::Renewal;
 use updates::Updates;
 
-/// Limits, pedals, and powers that are set, hold their values by themselves; everything else is measured all the time.
-const SET: [Channel; 6] = [
+/// Limits, pedals, and powers that are set, hold their values by themselves, and positions stand with the car; everything else is measured all the
+/// time.
+const SET: [Channel; 8] = [
+    Channel::Latitude,
+    Channel::Longitude,
     Channel::SpeedLimit,
     Channel::AcceleratorPedal,
     Channel::Brake,

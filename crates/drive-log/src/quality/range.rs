@@ -34,6 +34,8 @@ pub(crate) fn plausible(channel: Channel) -> (f64, f64) {
         Channel::AmbientTemperature => (-90.0, 70.0),
         // cells as cold as the air, to a fire
         Channel::BatteryTemperature => (-60.0, 120.0),
+        Channel::Latitude => (-90.0, 90.0),
+        Channel::Longitude => (-180.0, 180.0),
     }
 }
 

@@ -69,7 +69,7 @@ fn every_canonical_channel_and_unit() {
     let log = log(
         "time_s,speed_mps,accel_mps2,speed_limit_kmh,accelerometer_mps2,grade_pct,elevation_m,distance_km,lead_gap_m,lead_speed_mps,battery_voltage_v,\
          battery_current_a,soc_pct,motor_torque_nm,accelerator_pedal_pct,brake_fraction,aux_power_kw,heating_power_w,heating_request_w,\
-         ambient_temperature_degf,battery_temperature_degc\n0,1,2,36,3,100,4,14,5,6,7,8,9,10,40,0.5,11,12,13,50,7\n",
+         ambient_temperature_degf,battery_temperature_degc,latitude_deg,longitude_deg\n0,1,2,36,3,100,4,14,5,6,7,8,9,10,40,0.5,11,12,13,50,7,52,13\n",
     );
     let values: Vec<f64> = Channel::ALL
         .into_iter()
@@ -80,7 +80,7 @@ fn every_canonical_channel_and_unit() {
         values,
         [
             1.0, 2.0, 10.0, 3.0, atan_1, 4.0, 14_000.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 40.0, 50.0,
-            11_000.0, 12.0, 13.0, 10.0, 7.0
+            11_000.0, 12.0, 13.0, 10.0, 7.0, 52.0, 13.0
         ]
     );
 }
