@@ -5,6 +5,8 @@
 //! drivekit inspect wednesday.csv --limit-map map.geojson
 //! ```
 
+#![allow(clippy::print_stdout)]
+
 use std::path::Path;
 
 use drive_log::{Channel, LayoutChoice, Preparation, Smoothing};
