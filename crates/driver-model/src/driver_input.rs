@@ -57,6 +57,37 @@ impl DriverInput {
         }
     }
 
+    /// In the order of the fields.
+    pub(crate) fn values(self) -> [Option<f64>; 6] {
+        [
+            self.accelerator_pedal_pct,
+            self.accelerator_pedal_change_pct,
+            self.accelerator_pedal_slow_change_pct,
+            self.brake_pct,
+            self.motor_torque_nm,
+            self.accelerometer_mps2,
+        ]
+    }
+
+    pub(crate) fn of_values(values: [Option<f64>; 6]) -> Self {
+        let [
+            accelerator_pedal_pct,
+            accelerator_pedal_change_pct,
+            accelerator_pedal_slow_change_pct,
+            brake_pct,
+            motor_torque_nm,
+            accelerometer_mps2,
+        ] = values;
+        Self {
+            accelerator_pedal_pct,
+            accelerator_pedal_change_pct,
+            accelerator_pedal_slow_change_pct,
+            brake_pct,
+            motor_torque_nm,
+            accelerometer_mps2,
+        }
+    }
+
     /// Whether this channel is among what is known.
     #[must_use]
     pub fn knows(&self, channel: DriverChannel) -> bool {

@@ -66,6 +66,7 @@ mod function_fit;
 mod grid;
 mod kind;
 mod least_squares;
+mod memory;
 mod model;
 mod model_file;
 pub mod motion;
@@ -83,14 +84,17 @@ mod training;
 pub mod trip_driver;
 
 pub use accel_point::AccelPoint;
-pub use drive_behaviour::{DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
+pub use drive_behaviour::{BEGUN_S, DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
 pub use driver_channel::DriverChannel;
 pub use driver_input::DriverInput;
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
-pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, without};
+pub use fit::{
+    FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, update, without,
+};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use kind::{ModelKind, Subject};
+pub use memory::PhaseMemory;
 pub use model::PhaseModel;
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
 pub use motion::{LimitCover, Motion, SlopeSource};
