@@ -11,17 +11,17 @@ use driver_model::following::FollowingModel;
 use driver_model::phase_model::PredictiveBand;
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
-use driver_model::{DriverModel, ModelFile, Phase, PhaseModel};
+use driver_model::{DriverModel, ModelFile, Phase, PhaseMemory, PhaseModel};
 use report::picture::{self, SpeedCurve};
+use report::terminal;
 use serde::Serialize;
 
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
-use crate::render::chart;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::words::plural;
+use report::terminal::{Table, number};
 
 /// Model files
 #[derive(Debug, Subcommand)]
@@ -66,7 +66,8 @@ pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<O
     match context.format {
         Format::Json => {
             let body = Body {
-                file: &file,
+                remembered: file.memory.as_ref().map(Remembered::of),
+                file: &file.clone().with_memory(None),
                 examples: &examples,
             };
             output::print_json(&Document::new("model-show", args, &[], body))?;
@@ -86,7 +87,30 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<ModelFile> {
 #[derive(Serialize)]
 struct Body<'a> {
     file: &'a ModelFile,
+    /// What the file holds of what the model was fitted to; null where it cannot be updated.
+    remembered: Option<Remembered>,
     examples: &'a [Example],
+}
+
+#[derive(Serialize)]
+struct Remembered {
+    phases: usize,
+    points: usize,
+    own_drives: usize,
+    other_drives: usize,
+}
+
+impl Remembered {
+    fn of(memory: &PhaseMemory) -> Self {
+        let (phases, points) = memory.counts();
+        let (own_drives, other_drives) = memory.drive_counts();
+        Self {
+            phases,
+            points,
+            own_drives,
+            other_drives,
+        }
+    }
 }
 
 /// A phase that the model predicts.
@@ -158,6 +182,14 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         plural(training.prior_inputs.len(), "log"),
         training.prior_weight,
     );
+    let _ = match file.remembered() {
+        Ok(memory) => writeln!(
+            text,
+            "remembers these {}, so that `drivekit fit --update` can add drives\n",
+            plural(memory.counts().0, "phase")
+        ),
+        Err(error) => writeln!(text, "cannot be updated: {error}\n"),
+    };
     match &file.model {
         DriverModel::Acceleration(_) | DriverModel::Braking(_) => {
             text.push_str(&example_table(examples));
@@ -189,7 +221,7 @@ fn example_table(examples: &[Example]) -> String {
     format!(
         "{}\n{}",
         table.render(),
-        chart::speed_over_time(&curves, step_s)
+        terminal::speed_over_time(&curves, step_s)
     )
 }
 

@@ -186,6 +186,29 @@ impl ModelFile {
 }
 
 impl TrainingRecord {
+    /// Whether a log with this SHA-256 is among the driver's own.
+    #[must_use]
+    pub fn has_learnt(&self, sha256: &str) -> bool {
+        self.inputs.iter().any(|input| input.sha256 == sha256)
+    }
+
+    /// Whether it is among those of other drivers.
+    #[must_use]
+    pub fn has_as_prior(&self, sha256: &str) -> bool {
+        self.prior_inputs.iter().any(|input| input.sha256 == sha256)
+    }
+
+    /// The record of a model that went on learning: the logs of both, with the other drivers of this one.
+    #[must_use]
+    pub fn extended(&self, by: Self) -> Self {
+        Self {
+            inputs: [self.inputs.clone(), by.inputs].concat(),
+            prior_inputs: self.prior_inputs.clone(),
+            prior_weight: self.prior_weight,
+            ..by
+        }
+    }
+
     /// What of a memory is not what this says that the model was fitted to.
     fn check(&self, memory: &PhaseMemory, behaviour: Behaviour) -> Result<(), &'static str> {
         let is_of = match behaviour {

@@ -7,13 +7,13 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use anyhow::bail;
 use drive_log::{Row, RowReader, Smoothing};
 use driver_model::segmentation::{PhaseStream, Reading, Scaling, StreamedPhase};
+use report::terminal::number;
 
 use super::args::SegmentArgs;
 use super::output::SegmentEntry;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output::{Reader, note, print_to_reader};
-use crate::render::table::number;
 #[cfg(unix)]
 use crate::temporary::is_ignored;
 

@@ -170,6 +170,12 @@ impl PhaseMemory {
         self.manoeuvre.into()
     }
 
+    /// What a function of speed is fitted to.
+    #[must_use]
+    pub fn points_of(&self) -> PointsOf {
+        self.points_of
+    }
+
     /// The rules by which phases were found.
     #[must_use]
     pub fn settings(&self) -> PhaseSettings {

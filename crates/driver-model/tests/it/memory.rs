@@ -48,8 +48,9 @@ fn cut(log: &DriveLog, range: std::ops::Range<usize>) -> Motion {
         .channels()
         .map(|(c, values)| (c, values[range.clone()].to_vec()));
     let mut channels: BTreeMap<Channel, Vec<f64>> = channels.collect();
-    let pedal = log.accel_mps2()[range].iter().map(|a| 40.0 + 20.0 * a);
-    channels.insert(Channel::AcceleratorPedal, pedal.collect());
+    let pedal = log.accel_mps2().into_iter().map(|a| 40.0 + 20.0 * a);
+    let pedal: Vec<f64> = pedal.skip(range.start).take(range.len()).collect();
+    channels.insert(Channel::AcceleratorPedal, pedal);
     motion_of(&DriveLog::new(log.name(), 0.0, STEP_S, channels).unwrap())
 }
 

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use driver_eval::speed_ahead::{HorizonRow, TrajectoryEvaluation, TrialResult};
 use driver_eval::trajectory::{FreeRuns, Trajectories};
 use driver_eval::trip_driver::{FreeRunEvaluation, PercentErrors};
+use report::terminal::{Table, number};
 
 use crate::cmd::evaluate::text::Heading;
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 pub(super) fn render(heading: &Heading, trajectories: &Trajectories) -> String {
