@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
+use driver_eval::model_examples::Example;
 use driver_eval::model_words::model_words;
 use driver_model::cruise::CruiseModel;
 use driver_model::following::FollowingModel;
-use driver_model::phase_model::PredictiveBand;
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
-use driver_model::{DriverModel, ModelFile, Phase, PhaseMemory, PhaseModel};
+use driver_model::{DriverModel, ModelFile, PhaseMemory};
 use report::picture::{self, SpeedCurve};
 use report::terminal;
 use serde::Serialize;
@@ -49,17 +49,12 @@ pub(crate) struct ShowArgs {
 pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<Outcome> {
     let ModelCommand::Show(args) = command;
     let file = read(&args.file)?;
-    let examples: Vec<Example> = match &file.model {
-        DriverModel::Acceleration(model) | DriverModel::Braking(model) => outlines(&file.model)
-            .map(|outline| Example::new(model, outline))
-            .collect(),
-        _ => Vec::new(),
-    };
+    let examples = Example::of(&file.model);
     if let Some(path) = &args.plot {
         if examples.is_empty() {
             bail!("--plot draws models of acceleration and braking phases");
         }
-        let curves: Vec<SpeedCurve> = examples.iter().map(Example::curve).collect();
+        let curves: Vec<SpeedCurve> = examples.iter().map(curve).collect();
         let picture = picture::speeds_with_bands(&title(&file), &curves)?;
         output::write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
     }
@@ -113,47 +108,12 @@ impl Remembered {
     }
 }
 
-/// A phase that the model predicts.
-#[derive(Debug, Serialize)]
-struct Example {
-    #[serde(flatten)]
-    outline: Phase,
-    speed_mps: Vec<f64>,
-    /// Half-width of the 90 % band, where the model has one.
-    half_width_mps: Option<Vec<f64>>,
-}
-
-impl Example {
-    fn new(model: &PhaseModel, outline: Phase) -> Self {
-        let bands = model.bands(&outline);
-        Self {
-            speed_mps: model.predict(&outline),
-            half_width_mps: PredictiveBand::of_90_pct(&bands).map(|b| b.half_width_mps.clone()),
-            outline,
-        }
+fn curve(example: &Example) -> SpeedCurve<'_> {
+    SpeedCurve {
+        step_s: example.outline.step_s,
+        speed_mps: &example.speed_mps,
+        half_width_mps: example.half_width_mps.as_deref(),
     }
-
-    fn curve(&self) -> SpeedCurve<'_> {
-        SpeedCurve {
-            step_s: self.outline.step_s,
-            speed_mps: &self.speed_mps,
-            half_width_mps: self.half_width_mps.as_deref(),
-        }
-    }
-}
-
-/// Town, country road and motorway.
-fn outlines(model: &DriverModel) -> impl Iterator<Item = Phase> {
-    let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
-    phases
-        .into_iter()
-        .map(move |(low_kmh, high_kmh, duration_s)| {
-            let (from, to) = match model {
-                DriverModel::Braking(_) => (high_kmh, low_kmh),
-                _ => (low_kmh, high_kmh),
-            };
-            Phase::from_to(from / 3.6, to / 3.6).lasting(duration_s)
-        })
 }
 
 fn title(file: &ModelFile) -> String {

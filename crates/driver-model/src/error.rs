@@ -130,6 +130,20 @@ pub enum Error {
         /// The model.
         model: ModelKind,
     },
+    /// A model that says nothing while a drive goes on.
+    #[error(
+        "`{model}` predicts nothing of a drive that is still going on; only models of the speed ahead and of acceleration and braking phases do"
+    )]
+    NotLive {
+        /// The model.
+        model: ModelKind,
+    },
+    /// Two models that would say the same.
+    #[error("two models of {behaviour}; give one")]
+    TwoOf {
+        /// What they are about.
+        behaviour: &'static str,
+    },
     /// Drives of different sampling intervals.
     #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; resample it")]
     Steps {

@@ -20,7 +20,7 @@
 //!
 //! By module: [`cruise`] says how the driver holds a speed, [`following`] how he keeps the distance to a vehicle ahead,
 //! [`speed_ahead`] what speed the next seconds bring, [`trip_driver`] how a whole trip over a [`road`] goes, [`energy`] what it
-//! costs, and [`portrait`] what kind of driver this is.
+//! costs, and [`portrait`] what kind of driver this is. [`live`] predicts while a drive goes on.
 //!
 //! # Example
 //!
@@ -66,6 +66,7 @@ mod function_fit;
 mod grid;
 mod kind;
 mod least_squares;
+pub mod live;
 mod memory;
 mod model;
 mod model_file;

@@ -109,8 +109,8 @@ impl PhaseMemory {
 
     /// Adds drives of the driver, after those that there are.
     #[must_use]
-    pub fn with_own(mut self, trips: &[DriveBehaviour]) -> Self {
-        let drives = trips.iter().map(|trip| self.remembered(trip));
+    pub fn with_own<'a>(mut self, trips: impl IntoIterator<Item = &'a DriveBehaviour>) -> Self {
+        let drives = trips.into_iter().map(|trip| self.remembered(trip));
         let drives: Vec<RememberedDrive> = drives.collect();
         self.own.extend(drives);
         self
@@ -118,8 +118,13 @@ impl PhaseMemory {
 
     /// With these drives of other drivers, each phase with this weight beside 1 for an own one.
     #[must_use]
-    pub fn with_prior(mut self, trips: &[DriveBehaviour], weight: f64) -> Self {
-        self.others = trips.iter().map(|trip| self.remembered(trip)).collect();
+    pub fn with_prior<'a>(
+        mut self,
+        trips: impl IntoIterator<Item = &'a DriveBehaviour>,
+        weight: f64,
+    ) -> Self {
+        let drives = trips.into_iter().map(|trip| self.remembered(trip));
+        self.others = drives.collect();
         self.prior_weight = weight;
         self
     }

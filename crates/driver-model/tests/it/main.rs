@@ -12,6 +12,7 @@ mod braking;
 mod closed_forms;
 mod energy;
 mod fitting;
+mod live;
 mod memory;
 mod model_file;
 mod pedal;
