@@ -1,6 +1,6 @@
 //! How phases that have just begun go on, each trip held out once: what `drivekit predict - --follow` says of them, judged.
 //!
-//! `cargo run --release -p driver-eval --example begun_phases -- LOG…`, with files or folders of logs sampled every 0.1 s.
+//! `cargo run --release -p driver-eval --example begun_phases -- LOG…`, with files or folders of logs, by default simulated drives.
 
 #![allow(clippy::print_stdout)]
 
@@ -16,8 +16,13 @@ use driver_model::{
 };
 use ev_energy::DEFAULT_SLOPE_BANDWIDTH_M;
 
+const DRIVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/drives");
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let logs: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let mut logs: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    if logs.is_empty() {
+        logs.push(DRIVES.into());
+    }
     let reading = Reading {
         layout: LayoutChoice::Auto,
         preparation: Preparation::default(),
@@ -42,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 println!("\n{manoeuvre:?}, phases {}, {words}", extent.words());
                 let scores = evaluate_begun(
                     &trips,
-                    ModelKind::ProfilePedal,
+                    ModelKind::ProfileOnset,
                     &fit,
                     &BegunSettings::default(),
                     judged,

@@ -43,6 +43,7 @@ mod limits;
 pub mod live_words;
 pub mod model_examples;
 pub mod model_words;
+pub mod new_driver;
 pub mod phase;
 pub mod portrait;
 mod predictions;
