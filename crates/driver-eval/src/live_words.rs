@@ -103,7 +103,7 @@ fn likely(line: &mut String, forecast: &Forecast) {
     }
     let _ = write!(
         line,
-        "; likely to {:.0} km/h, {:.1} s in all; {:.0} % become long phases",
+        "; likely to {:.0} km/h, {:.1} s in all; {:.0} % like it come to count",
         forecast.end_speed_mps * 3.6,
         forecast.duration_s,
         forecast.counts_pct

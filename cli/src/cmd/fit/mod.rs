@@ -6,8 +6,8 @@ use driver_eval::behaviour::contents_of;
 use driver_eval::model_words::fitted_words;
 use driver_model::speed_ahead::DirectSettings;
 use driver_model::{
-    DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, ModelKind, PointsOf,
-    Prior, Subject, TrainingInput, TrainingRecord, find_behaviour, fit_with,
+    DriverModel, Error, FitSettings, Fitted, LeftOut, Manoeuvre, ModelFile, ModelKind, PhaseMemory,
+    PointsOf, Prior, Subject, TrainingInput, TrainingRecord, find_behaviour, fit_with,
 };
 use serde::Serialize;
 
@@ -49,11 +49,10 @@ pub(crate) fn run(args: &FitArgs, context: &Context) -> anyhow::Result<Outcome> 
         points: fitted.points,
         inputs: hashes(&inputs),
         prior_inputs: hashes(&prior_inputs),
-        prior_weight: if args.prior.is_given() {
-            args.prior.weight()
-        } else {
-            0.0
-        },
+        prior_weight: fitted
+            .memory
+            .as_ref()
+            .map_or(0.0, PhaseMemory::prior_weight),
         extent: args.extent,
     };
     if let Some(before) = &before {

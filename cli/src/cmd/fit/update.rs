@@ -40,19 +40,13 @@ impl Before {
             PointsOf::Samples => Points::Samples,
         };
         let (settings, phases) = (memory.settings(), &mut completed.phases);
-        let min_gain_kmh = settings.min_gain_mps * 3.6;
+        let duration_s = settings.min_duration_s;
+        let gain_kmh = settings.min_gain_mps * 3.6;
+        let deadband_mps2 = settings.statistical.accel_deadband_mps2;
         for (id, flag, found) in [
-            (
-                "min_duration",
-                &mut phases.min_duration,
-                settings.min_duration_s,
-            ),
-            ("min_gain", &mut phases.min_gain, min_gain_kmh),
-            (
-                "accel_deadband",
-                &mut phases.accel_deadband,
-                settings.statistical.accel_deadband_mps2,
-            ),
+            ("min_duration", &mut phases.min_duration, duration_s),
+            ("min_gain", &mut phases.min_gain, gain_kmh),
+            ("accel_deadband", &mut phases.accel_deadband, deadband_mps2),
         ] {
             let differs = (*flag - found).abs() > 1e-9;
             if differs && args.given.iter().any(|given| given == id) {

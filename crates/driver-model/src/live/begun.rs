@@ -17,7 +17,7 @@ const LEAST_CASES: usize = 10;
 const FEATURES: usize = 11;
 
 /// A curve that misses the early gain by so much counts 0.6 times; chosen on the drives of `bmw-i3`.
-const EARLY_MISS_MPS: f64 = 0.2;
+const EARLY_MISS_MPS: f64 = 0.4;
 
 /// However much a curve misses it, it counts so many times.
 const LEAST_SHARE: f64 = 1e-6;
@@ -30,7 +30,7 @@ type Features = [f64; FEATURES];
 /// How similar phases become a band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BegunSettings {
-    /// Similar phases; 100, chosen on the drives of `bmw-i3`.
+    /// Similar phases; 50, chosen on the drives of `bmw-i3`.
     pub similar: usize,
     /// Share that the band is to hold; 0.9.
     pub coverage: f64,
@@ -41,7 +41,7 @@ pub struct BegunSettings {
 impl Default for BegunSettings {
     fn default() -> Self {
         Self {
-            similar: 100,
+            similar: 50,
             coverage: 0.9,
             judges: 200,
         }
