@@ -1,6 +1,6 @@
 //! How phases that have just begun go on, each trip held out once: what `drivekit predict - --follow` says of them, judged.
 //!
-//! `cargo run --release -p driver-eval --example begun_phases -- LOG…`, with files or folders of logs, by default simulated drives.
+//! `cargo run --release -p driver-eval --example begun_phases -- LOG…`, with files or folders of logs, by default three simulated drives.
 
 #![allow(clippy::print_stdout)]
 
@@ -21,7 +21,7 @@ const DRIVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/drives
 fn main() -> Result<(), Box<dyn Error>> {
     let mut logs: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     if logs.is_empty() {
-        logs.push(DRIVES.into());
+        logs.extend((1..=3).map(|number| format!("{DRIVES}/drive-{number:02}.csv").into()));
     }
     let reading = Reading {
         layout: LayoutChoice::Auto,

@@ -49,7 +49,7 @@ impl PhaseSettings {
 pub const BEGUN_S: f64 = 1.0;
 
 /// A whole phase that ends at less would hold standstill and noise.
-const LEAST_END_ACCEL_MPS2: f64 = 1e-3;
+pub(crate) const LEAST_END_ACCEL_MPS2: f64 = 1e-3;
 
 /// What models learn from one drive, and what they are judged on when it is held out.
 #[derive(Debug, Clone, PartialEq)]

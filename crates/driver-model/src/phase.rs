@@ -194,7 +194,7 @@ impl PhaseCurve {
         }
     }
 
-    /// Change of speed over [`BEGUN_S`](crate::BEGUN_S) from the first sample on; `None` for a shorter phase.
+    /// Change of speed over [`BEGUN_S`] from the first sample on; `None` for a shorter phase.
     #[must_use]
     pub fn early_gain_mps(&self) -> Option<f64> {
         let begun = samples_in(BEGUN_S, self.step_s);

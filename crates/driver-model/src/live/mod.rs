@@ -10,7 +10,7 @@ mod watch;
 use drive_log::{Channel, Row, Smoothing};
 use serde::Serialize;
 
-use crate::{Behaviour, DriverModel, Error, ModelFile, PhaseKind};
+use crate::{DriverModel, Error, ModelFile, PhaseKind};
 use ahead::Ahead;
 pub use begun::{Beginning, BegunPhases, BegunSettings, Forecast, Second};
 use buffer::Buffer;
@@ -153,31 +153,23 @@ impl LivePredictor {
     }
 
     fn add(&mut self, file: ModelFile, settings: &LiveSettings) -> Result<(), Error> {
-        let behaviour = file.model.behaviour();
-        match behaviour {
-            Behaviour::SpeedAhead | Behaviour::Acceleration | Behaviour::Braking => {}
-            _ => {
-                return Err(Error::NotLive {
-                    model: file.model.kind(),
-                });
-            }
-        }
-        let memory = match behaviour {
-            Behaviour::SpeedAhead => None,
-            _ => Some(file.remembered()?.clone()),
-        };
-        match (file.model, memory) {
-            (DriverModel::SpeedAhead(model), _) => {
+        match file.model {
+            DriverModel::SpeedAhead(model) => {
                 let ahead = Ahead::new(model, settings)?;
                 self.buffer.keep(ahead.past_s());
                 self.remarks.extend(ahead.remarks());
                 self.ahead = Some(ahead);
             }
-            (DriverModel::Acceleration(model) | DriverModel::Braking(model), Some(memory)) => {
-                let watch = Watch::new(model, &memory, settings)?;
-                self.watches.push(watch);
+            DriverModel::Acceleration(model) | DriverModel::Braking(model) => {
+                let kind = model.kind();
+                let memory = file.memory.ok_or(Error::NoMemory { model: kind })?;
+                self.watches.push(Watch::new(model, &memory, settings)?);
             }
-            _ => {}
+            other => {
+                return Err(Error::NotLive {
+                    model: other.kind(),
+                });
+            }
         }
         Ok(())
     }

@@ -170,7 +170,7 @@ impl Watch {
             Some((error_mps * error_mps, f64::from(u8::from(inside))))
         });
         let (squares, inside): (Vec<f64>, Vec<f64>) = seconds.unzip();
-        let mean = |values: Vec<f64>| crate::statistics::mean(values.into_iter());
+        let mean = |values: Vec<f64>| crate::statistics::mean(values);
         Some(Event::PhaseEnds {
             phase: self.kind,
             begin_s: buffer.time_s(run.start),

@@ -113,15 +113,7 @@ impl TryFrom<OnDisk> for PhaseMemory {
 
     fn try_from(file: OnDisk) -> Result<Self, String> {
         let rules = file.rules;
-        let thresholds = [
-            rules.min_duration_s,
-            rules.min_gain_mps,
-            rules.accel_threshold_mps2,
-            rules.end_accel_mps2,
-            rules.cruise_speed_mps,
-            rules.accel_deadband_mps2,
-        ];
-        if !thresholds.iter().all(|value| (0.0..=MOST).contains(value)) {
+        if !rules.are_usable() {
             return Err("a rule by which phases are found is out of range".to_owned());
         }
         if !(0.0..=MOST).contains(&file.prior_weight) {

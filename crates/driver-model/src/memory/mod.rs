@@ -4,10 +4,14 @@ mod file;
 
 use serde::{Deserialize, Serialize};
 
+use crate::drive_behaviour::LEAST_END_ACCEL_MPS2;
 use crate::{
     AccelPoint, DriveBehaviour, FitSettings, Manoeuvre, Phase, PhaseCurve, PhaseExtent, PhaseKind,
     PhaseSettings, PointsOf, TrainingSet,
 };
+
+/// Beyond every time, speed and acceleration of a rule.
+const MOST_RULE: f64 = 1e6;
 
 /// The phases and points of every drive that a model of phases was fitted to, with the rules by which they were found.
 ///
@@ -74,7 +78,22 @@ impl PhaseRules {
             accel_deadband_mps2: heuristic.accel_deadband_mps2,
             ..settings.heuristic
         } == heuristic;
-        (same_heuristic && statistical == settings.statistical).then_some(rules)
+        let is_whole = same_heuristic && statistical == settings.statistical;
+        Some(rules).filter(|rules| is_whole && rules.are_usable())
+    }
+
+    /// Whether standstill is no phase, and every number is one.
+    fn are_usable(&self) -> bool {
+        let lowest = [
+            (self.min_duration_s, 0.0),
+            (self.min_gain_mps, 0.0),
+            (self.accel_threshold_mps2, LEAST_END_ACCEL_MPS2),
+            (self.end_accel_mps2, LEAST_END_ACCEL_MPS2),
+            (self.cruise_speed_mps, 0.0),
+            (self.accel_deadband_mps2, 0.0),
+        ];
+        let in_range = |&(value, lowest): &(f64, f64)| (lowest..=MOST_RULE).contains(&value);
+        lowest.iter().all(in_range)
     }
 
     fn settings(&self) -> PhaseSettings {
@@ -94,7 +113,7 @@ impl PhaseRules {
 
 impl PhaseMemory {
     /// Of no drive yet; `None` for rules that a model file cannot hold: a segmentation by [`crate::segmentation::StatisticalRules`] that differs from
-    /// the default in more than its dead band.
+    /// the default in more than its dead band, and thresholds by which standstill were a phase.
     #[must_use]
     pub fn new(settings: &FitSettings) -> Option<Self> {
         Some(Self {

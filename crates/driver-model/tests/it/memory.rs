@@ -1,8 +1,10 @@
 //! Models that go on learning: fitted and then updated is fitted to all drives.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use drive_log::{Channel, DriveLog};
+use driver_model::live::{LivePredictor, LiveSettings};
 use driver_model::{
     DriveBehaviour, DriverModel, Error, FitSettings, Fitted, Manoeuvre, ModelFile, ModelKind,
     Motion, PhaseExtent, PhaseMemory, PhaseModel, PhaseSettings, PointsOf, Prior, Subject,
@@ -271,26 +273,53 @@ proptest! {
         let at_once = fit_with(kind, own, prior, &settings, &|| {});
         assert_same(in_steps(kind, &parts, prior, &settings), at_once);
     }
+}
 
-    /// Whatever happens to a file, it ends in an error or in a memory that can be learnt from.
+static WRITTEN: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let drives = drives(&[]);
+    let kind = ModelKind::ProfileConditioned;
+    let fitted = fit_with(kind, &drives[..2], None, &FitSettings::default(), &|| {}).unwrap();
+    file(fitted, 2, 0, 0.0).to_json().unwrap().into_bytes()
+});
+
+static NEW: LazyLock<Vec<Motion>> = LazyLock::new(|| drives(&[]).split_off(3));
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    /// Whatever happens to a file, it ends in an error or in a memory that can be learnt from and told by.
     #[test]
     fn a_changed_file_is_an_error_or_harmless(
         changes in prop::collection::vec((any::<Index>(), prop::sample::select(b"0123456789.-e,[]{}nul\"".to_vec())), 1..4),
-        braking in any::<bool>(),
     ) {
-        let drives = drives(&[]);
-        let manoeuvre = if braking { Manoeuvre::Braking } else { Manoeuvre::Acceleration };
-        let settings = settings(manoeuvre, PhaseExtent::Threshold);
-        let kind = ModelKind::ProfileConditioned;
-        let fitted = fit_with(kind, &drives[..2], None, &settings, &|| {}).unwrap();
-        let mut bytes = file(fitted, 2, 0, 0.0).to_json().unwrap().into_bytes();
+        let mut bytes = WRITTEN.clone();
         for (place, byte) in changes {
             let place = place.index(bytes.len());
             bytes[place] = byte;
         }
         if let Ok(read) = ModelFile::from_json(&String::from_utf8_lossy(&bytes)) {
             let memory = read.remembered().unwrap().clone();
-            let _ = update(read.model.kind(), memory, &drives[2..], &|| {});
+            let _ = update(read.model.kind(), memory, &NEW, &|| {});
+            let settings = LiveSettings {
+                step_s: STEP_S,
+                smoothing: drive_log::Smoothing::None,
+                max_gap_s: 2.0,
+                told: Vec::new(),
+                horizons_s: Vec::new(),
+            };
+            if let Ok(mut predictor) = LivePredictor::new(vec![read], &settings) {
+                for k in 0..60 {
+                    let row = drive_log::Row {
+                        time_s: STEP_S * f64::from(k),
+                        speed_mps: 0.15 * f64::from(k),
+                        lead_gap_m: f64::NAN,
+                        told: Vec::new(),
+                        starts_piece: k == 0,
+                    };
+                    predictor.push(&row).unwrap();
+                }
+                predictor.finish();
+            }
         }
     }
 }

@@ -1,31 +1,18 @@
 //! How a phase that has just begun will go, from the phases that began like it.
 
+mod precedent;
+mod spread;
+
 use serde::Serialize;
 
 use crate::motion::samples_in;
-use crate::{
-    BEGUN_S, DriverInput, Error, Onset, Phase, PhaseCurve, PhaseKind, PhaseMemory, PhaseModel,
-};
-
-/// Seconds that are looked ahead at most.
-const SECONDS: usize = 10;
+use crate::{BEGUN_S, Error, Phase, PhaseKind, PhaseMemory, PhaseModel, error};
+pub use precedent::Beginning;
+use precedent::{Case, Features, SECONDS, cases, distance, later_gains_mps, scales};
+use spread::{Curves, quantile};
 
 /// Fewer similar phases make no band.
 const LEAST_CASES: usize = 10;
-
-/// Start speed, early gain, the onset, and what the driver does.
-const FEATURES: usize = 11;
-
-/// A curve that misses the early gain by so much counts 0.6 times; chosen on the drives of `bmw-i3`.
-const EARLY_MISS_MPS: f64 = 0.4;
-
-/// However much a curve misses it, it counts so many times.
-const LEAST_SHARE: f64 = 1e-6;
-
-/// How much a distance in each counts beside the others; chosen on the drives of `bmw-i3`.
-const WEIGHTS: [f64; FEATURES] = [1.0, 2.0, 0.5, 0.5, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5];
-
-type Features = [f64; FEATURES];
 
 /// How similar phases become a band.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,67 +32,6 @@ impl Default for BegunSettings {
             coverage: 0.9,
             judges: 200,
         }
-    }
-}
-
-/// What is known of a phase that has lasted [`BEGUN_S`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beginning {
-    /// Speed at its first sample.
-    pub start_speed_mps: f64,
-    /// Change since then.
-    pub early_gain_mps: f64,
-    /// How it was entered.
-    pub onset: Option<Onset>,
-    /// What the driver did as it began.
-    pub input: DriverInput,
-}
-
-impl Case {
-    fn lasts(&self, second: usize) -> bool {
-        self.later_gain_mps.len() >= second
-    }
-}
-
-impl Beginning {
-    /// Speed when it has lasted [`BEGUN_S`].
-    fn now_mps(&self) -> f64 {
-        self.start_speed_mps + self.early_gain_mps
-    }
-
-    /// Of a recorded phase; `None` for one that ended sooner.
-    #[must_use]
-    pub fn of(curve: &PhaseCurve) -> Option<Self> {
-        Some(Self::new(&curve.outline(), curve.early_gain_mps()?))
-    }
-
-    fn new(outline: &Phase, early_gain_mps: f64) -> Self {
-        Self {
-            start_speed_mps: outline.start_speed_mps,
-            early_gain_mps,
-            onset: outline.onset,
-            input: outline.input,
-        }
-    }
-
-    fn features(&self) -> Features {
-        let onset = self.onset.map_or([f64::NAN; 3], Onset::values);
-        let input = self.input.values().map(|value| value.unwrap_or(f64::NAN));
-        let [accel, jerk, previous] = onset;
-        let [pedal, change, slow_change, brake, torque, accelerometer] = input;
-        [
-            self.start_speed_mps,
-            self.early_gain_mps,
-            accel,
-            jerk,
-            previous,
-            pedal,
-            change,
-            slow_change,
-            brake,
-            torque,
-            accelerometer,
-        ]
     }
 }
 
@@ -149,31 +75,26 @@ pub struct BegunPhases {
     stretch: [f64; SECONDS],
 }
 
-/// A remembered phase.
-#[derive(Debug, Clone)]
-struct Case {
-    drive: usize,
-    weight: f64,
-    counts: bool,
-    features: Features,
-    beginning: Beginning,
-    gain_mps: f64,
-    samples: usize,
-    /// Change since the early gain, second by second, as long as it lasted.
-    later_gain_mps: Vec<f64>,
-}
-
 impl BegunPhases {
     /// Of what a model was fitted to. The band is stretched until it holds its share of the remembered phases of a drive, predicted from those of
     /// the other drives.
     ///
     /// # Errors
-    /// [`Error::TooFewPhases`] where the memory holds too few phases.
+    /// [`Error::TooFewPhases`] where the memory holds too few phases, [`Error::Option`] for a coverage that is none or too few similar phases.
     pub fn new(
         model: PhaseModel,
         memory: &PhaseMemory,
         settings: &BegunSettings,
     ) -> Result<Self, Error> {
+        let similar = settings.similar as f64;
+        error::at_least("similar", similar, LEAST_CASES as f64, "at least 10")?;
+        if !(settings.coverage > 0.0 && settings.coverage < 1.0) {
+            return Err(Error::Option {
+                name: "coverage",
+                value: settings.coverage,
+                expected: "between 0 and 1",
+            });
+        }
         let cases = cases(memory);
         let (Some(step_s), true) = (memory.step_s(), cases.len() >= LEAST_CASES) else {
             return Err(Error::TooFewPhases {
@@ -258,24 +179,10 @@ impl BegunPhases {
         let features = beginning.features();
         let known = self.cases.iter().filter(|case| Some(case.drive) != drive);
         let mut by_distance: Vec<(f64, &Case)> = known
-            .map(|case| (self.distance(&features, &case.features), case))
+            .map(|case| (distance(&features, &case.features, &self.scales), case))
             .collect();
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
         by_distance.into_iter().map(|(_, case)| case).collect()
-    }
-
-    /// Mean square over the features that the beginning knows; one that a case does not know counts as its mean.
-    fn distance(&self, beginning: &Features, case: &Features) -> f64 {
-        let mut sum = 0.0;
-        for feature in 0..FEATURES {
-            let apart = (beginning[feature] - case[feature]) / self.scales[feature];
-            if apart.is_finite() {
-                sum += WEIGHTS[feature] * apart * apart;
-            } else if beginning[feature].is_finite() {
-                sum += WEIGHTS[feature];
-            }
-        }
-        sum
     }
 
     /// The early gain, and the change of speed since then, second by second, as the model has it for the gain and the duration of another phase.
@@ -340,143 +247,8 @@ impl BegunPhases {
     }
 }
 
-/// The curves of similar phases, each made once.
-struct Curves<'a> {
-    begun: &'a BegunPhases,
-    beginning: &'a Beginning,
-    by_place: Vec<Vec<f64>>,
-}
-
-impl<'a> Curves<'a> {
-    fn of(begun: &'a BegunPhases, beginning: &'a Beginning) -> Self {
-        Self {
-            begun,
-            beginning,
-            by_place: Vec::new(),
-        }
-    }
-
-    /// Lower tail, median and upper tail of the change of speed since the early gain after so many seconds, by the most similar phases that
-    /// lasted so long, each counting as well as its curve meets the early gain; `None` where there are too few.
-    fn spread_mps(&mut self, sorted: &[&Case], second: usize) -> Option<(f64, f64, f64)> {
-        self.by_place.resize(sorted.len(), Vec::new());
-        let lasting = sorted.iter().enumerate();
-        let lasting = lasting.filter(|(_, case)| case.lasts(second));
-        let mut gains = Vec::new();
-        for (place, case) in lasting.take(self.begun.settings.similar) {
-            if self.by_place[place].is_empty() {
-                self.by_place[place] = self.begun.curve(self.beginning, case);
-            }
-            let curve = &self.by_place[place];
-            if let (Some(early_mps), Some(gain_mps)) = (curve.first(), curve.get(second)) {
-                let miss = (early_mps - self.beginning.early_gain_mps) / EARLY_MISS_MPS;
-                let fits = (-0.5 * miss * miss).exp().max(LEAST_SHARE);
-                gains.push((*gain_mps, case.weight * fits));
-            }
-        }
-        if gains.len() < LEAST_CASES {
-            return None;
-        }
-        let tail = 0.5 * (1.0 - self.begun.settings.coverage);
-        let mut at = |share| quantile(&mut gains, share);
-        Some((at(tail), at(0.5), at(1.0 - tail)))
-    }
-}
-
 /// A narrower band cannot be stretched.
 const LEAST_WIDTH_MPS: f64 = 0.01;
 
 const LEAST_STRETCH: f64 = 0.2;
 const MOST_STRETCH: f64 = 20.0;
-
-fn cases(memory: &PhaseMemory) -> Vec<Case> {
-    let (own_drives, _) = memory.drive_counts();
-    let mut cases = Vec::new();
-    for (drive, remembered) in memory.drives().enumerate() {
-        let weight = if drive < own_drives {
-            1.0
-        } else {
-            memory.prior_weight()
-        };
-        if weight <= 0.0 {
-            continue;
-        }
-        let case = |beginning: Beginning, outline: &Phase, later_gain_mps, counts| Case {
-            drive,
-            weight,
-            counts,
-            features: beginning.features(),
-            beginning,
-            gain_mps: outline.gain_mps(),
-            samples: outline.samples,
-            later_gain_mps,
-        };
-        cases.extend(remembered.phases.iter().filter_map(|curve| {
-            let later = later_gains_mps(curve.speed_mps(), curve.step_s());
-            Some(case(Beginning::of(curve)?, &curve.outline(), later, true))
-        }));
-        cases.extend(remembered.short.iter().map(|short| {
-            let outline = &short.outline;
-            let beginning = Beginning::new(outline, short.early_gain_mps);
-            // What is not remembered of it counts as a straight line.
-            let begun = samples_in(BEGUN_S, outline.step_s);
-            let rest = outline.samples.saturating_sub(begun + 1);
-            let left_mps = outline.gain_mps() - short.early_gain_mps;
-            let seconds = (1..=SECONDS).map(|s| samples_in(s as f64, outline.step_s));
-            let line = seconds.take_while(|steps| *steps <= rest);
-            let line = line.map(|steps| left_mps * steps as f64 / rest as f64);
-            case(beginning, outline, line.collect(), false)
-        }));
-    }
-    cases
-}
-
-/// Of a phase that lasted beyond its begin.
-fn later_gains_mps(speed_mps: &[f64], step_s: f64) -> Vec<f64> {
-    let begun = samples_in(BEGUN_S, step_s);
-    let seconds = (1..=SECONDS).map(|second| begun + samples_in(second as f64, step_s));
-    let gains = seconds.map_while(|sample| Some(speed_mps.get(sample)? - speed_mps[begun]));
-    gains.collect()
-}
-
-/// Standard deviation of every feature; 1 where it does not vary.
-fn scales(cases: &[Case]) -> Features {
-    std::array::from_fn(|feature| {
-        let known = cases
-            .iter()
-            .map(|case| (case.features[feature], case.weight));
-        let known: Vec<(f64, f64)> = known.filter(|(value, _)| value.is_finite()).collect();
-        let total: f64 = known.iter().map(|(_, weight)| weight).sum();
-        let mean = known.iter().map(|(v, w)| w * v).sum::<f64>() / total;
-        let variance = known
-            .iter()
-            .map(|(v, w)| w * (v - mean).powi(2))
-            .sum::<f64>()
-            / total;
-        let deviation = variance.sqrt();
-        if deviation > 1e-9 { deviation } else { 1.0 }
-    })
-}
-
-/// The value below which this share of the weight lies, between the two nearest.
-fn quantile(values: &mut [(f64, f64)], share: f64) -> f64 {
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let total: f64 = values.iter().map(|(_, weight)| weight).sum();
-    let mut below = 0.0;
-    let mut before: Option<(f64, f64)> = None;
-    for &(value, weight) in values.iter() {
-        // Each value stands at the middle of its weight.
-        let place = (below + 0.5 * weight) / total;
-        if place >= share {
-            return match before {
-                Some((last, last_place)) if place > last_place => {
-                    last + (value - last) * (share - last_place) / (place - last_place)
-                }
-                _ => value,
-            };
-        }
-        before = Some((value, place));
-        below += weight;
-    }
-    before.map_or(f64::NAN, |(value, _)| value)
-}
