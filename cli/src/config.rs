@@ -7,10 +7,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use clap::parser::ValueSource;
 use clap::{ArgAction, CommandFactory as _, FromArgMatches as _};
 use toml::{Table, Value};
 
-use crate::cli::Cli;
+use crate::cli::{Cli, Command};
 use crate::cmd::segment::refuse_idle;
 use crate::places;
 
@@ -26,7 +27,13 @@ pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<
         refuse_idle(matches)?;
     }
     places::check(&command, &matches)?;
-    Ok(Cli::from_arg_matches(&matches)?)
+    let mut cli = Cli::from_arg_matches(&matches)?;
+    if let (Command::Fit(args), Some((_, matches))) = (&mut cli.command, matches.subcommand()) {
+        let is_given = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
+        let ids = matches.ids().map(clap::Id::as_str);
+        args.given = ids.filter(is_given).map(str::to_owned).collect();
+    }
+    Ok(cli)
 }
 
 fn config_path(args: &[OsString]) -> Option<PathBuf> {

@@ -9,6 +9,7 @@ mod drives;
 mod exit;
 mod flags;
 mod inputs;
+mod listening;
 mod names;
 mod numbers;
 mod output;

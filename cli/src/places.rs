@@ -13,6 +13,9 @@ use crate::target::{folder_of, is_stream, resolved};
 /// Flags that name a file to write; the others name what is read.
 const OUTPUTS: [&str; 4] = ["output", "report", "plot", "trace"];
 
+/// A file that an output may replace, with what is in it and more.
+const REPLACED: &str = "update";
+
 /// Flags whose folders and globs stand for the logs in them.
 const LOGS: [&str; 3] = ["logs", "prior", "fleet"];
 
@@ -39,7 +42,8 @@ pub(crate) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<(
     if outputs.is_empty() {
         return Ok(());
     }
-    for arg in command.get_arguments().filter(|arg| !is_output(arg)) {
+    let is_read = |arg: &&Arg| !is_output(arg) && arg.get_id() != REPLACED;
+    for arg in command.get_arguments().filter(is_read) {
         for input in read(arg, matches) {
             refuse_input(&outputs, &input)?;
         }

@@ -5,6 +5,7 @@ use clap::Args;
 use driver_eval::calibration::{CalibratedCycle, CalibrationReport, calibrate_vehicle};
 use driver_model::energy::EnergyScore;
 use ev_energy::{VehicleSpec, calibration::ParameterEstimate};
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use super::left_out;
@@ -17,7 +18,6 @@ use crate::numbers;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// Fit a vehicle to measured battery power, and say how far to trust it

@@ -3,6 +3,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use drive_log::Drive;
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use crate::exit::Outcome;
@@ -10,7 +11,6 @@ use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input};
 use crate::output;
 use crate::render::json::{Document, Logs};
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 use crate::words::plural;
 

@@ -5,23 +5,23 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
+use driver_eval::model_examples::Example;
 use driver_eval::model_words::model_words;
 use driver_model::cruise::CruiseModel;
 use driver_model::following::FollowingModel;
-use driver_model::phase_model::PredictiveBand;
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
-use driver_model::{DriverModel, ModelFile, Phase, PhaseModel};
+use driver_model::{DriverModel, ModelFile, PhaseMemory};
 use report::picture::{self, SpeedCurve};
+use report::terminal;
 use serde::Serialize;
 
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
 use crate::output;
-use crate::render::chart;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::words::plural;
+use report::terminal::{Table, number};
 
 /// Model files
 #[derive(Debug, Subcommand)]
@@ -49,24 +49,20 @@ pub(crate) struct ShowArgs {
 pub(crate) fn run(command: &ModelCommand, context: &Context) -> anyhow::Result<Outcome> {
     let ModelCommand::Show(args) = command;
     let file = read(&args.file)?;
-    let examples: Vec<Example> = match &file.model {
-        DriverModel::Acceleration(model) | DriverModel::Braking(model) => outlines(&file.model)
-            .map(|outline| Example::new(model, outline))
-            .collect(),
-        _ => Vec::new(),
-    };
+    let examples = Example::of(&file.model);
     if let Some(path) = &args.plot {
         if examples.is_empty() {
             bail!("--plot draws models of acceleration and braking phases");
         }
-        let curves: Vec<SpeedCurve> = examples.iter().map(Example::curve).collect();
+        let curves: Vec<SpeedCurve> = examples.iter().map(curve).collect();
         let picture = picture::speeds_with_bands(&title(&file), &curves)?;
         output::write_file(path, |out| Ok(out.write_all(picture.as_bytes())?))?;
     }
     match context.format {
         Format::Json => {
             let body = Body {
-                file: &file,
+                remembered: file.memory.as_ref().map(Remembered::of),
+                file: &file.clone().with_memory(None),
                 examples: &examples,
             };
             output::print_json(&Document::new("model-show", args, &[], body))?;
@@ -86,50 +82,38 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<ModelFile> {
 #[derive(Serialize)]
 struct Body<'a> {
     file: &'a ModelFile,
+    /// What the file holds of what the model was fitted to; null where it cannot be updated.
+    remembered: Option<Remembered>,
     examples: &'a [Example],
 }
 
-/// A phase that the model predicts.
-#[derive(Debug, Serialize)]
-struct Example {
-    #[serde(flatten)]
-    outline: Phase,
-    speed_mps: Vec<f64>,
-    /// Half-width of the 90 % band, where the model has one.
-    half_width_mps: Option<Vec<f64>>,
+#[derive(Serialize)]
+struct Remembered {
+    phases: usize,
+    points: usize,
+    own_drives: usize,
+    other_drives: usize,
 }
 
-impl Example {
-    fn new(model: &PhaseModel, outline: Phase) -> Self {
-        let bands = model.bands(&outline);
+impl Remembered {
+    fn of(memory: &PhaseMemory) -> Self {
+        let (phases, points) = memory.counts();
+        let (own_drives, other_drives) = memory.drive_counts();
         Self {
-            speed_mps: model.predict(&outline),
-            half_width_mps: PredictiveBand::of_90_pct(&bands).map(|b| b.half_width_mps.clone()),
-            outline,
-        }
-    }
-
-    fn curve(&self) -> SpeedCurve<'_> {
-        SpeedCurve {
-            step_s: self.outline.step_s,
-            speed_mps: &self.speed_mps,
-            half_width_mps: self.half_width_mps.as_deref(),
+            phases,
+            points,
+            own_drives,
+            other_drives,
         }
     }
 }
 
-/// Town, country road and motorway.
-fn outlines(model: &DriverModel) -> impl Iterator<Item = Phase> {
-    let phases = [(0.0, 50.0, 8.0), (30.0, 70.0, 9.0), (60.0, 110.0, 14.0)];
-    phases
-        .into_iter()
-        .map(move |(low_kmh, high_kmh, duration_s)| {
-            let (from, to) = match model {
-                DriverModel::Braking(_) => (high_kmh, low_kmh),
-                _ => (low_kmh, high_kmh),
-            };
-            Phase::from_to(from / 3.6, to / 3.6).lasting(duration_s)
-        })
+fn curve(example: &Example) -> SpeedCurve<'_> {
+    SpeedCurve {
+        step_s: example.outline.step_s,
+        speed_mps: &example.speed_mps,
+        half_width_mps: example.half_width_mps.as_deref(),
+    }
 }
 
 fn title(file: &ModelFile) -> String {
@@ -158,6 +142,14 @@ fn text(file: &ModelFile, examples: &[Example]) -> String {
         plural(training.prior_inputs.len(), "log"),
         training.prior_weight,
     );
+    let _ = match file.remembered() {
+        Ok(memory) => writeln!(
+            text,
+            "remembers these {}, so that `drivekit fit --update` can add drives\n",
+            plural(memory.counts().0, "phase")
+        ),
+        Err(error) => writeln!(text, "cannot be updated: {error}\n"),
+    };
     match &file.model {
         DriverModel::Acceleration(_) | DriverModel::Braking(_) => {
             text.push_str(&example_table(examples));
@@ -189,7 +181,7 @@ fn example_table(examples: &[Example]) -> String {
     format!(
         "{}\n{}",
         table.render(),
-        chart::speed_over_time(&curves, step_s)
+        terminal::speed_over_time(&curves, step_s)
     )
 }
 

@@ -21,7 +21,7 @@ pub(crate) struct PhaseArgs {
     pub(crate) min_gain: f64,
     /// Acceleration under this magnitude counts as 0 in the segmentation, in m/s²
     #[arg(long, default_value_t = 0.4, value_parser = numbers::deadband_mps2, value_name = "M/S2")]
-    accel_deadband: f64,
+    pub(crate) accel_deadband: f64,
     /// Elevation is smoothed over this distance to either side for the slope, in m
     #[arg(long, default_value_t = ev_energy::DEFAULT_SLOPE_BANDWIDTH_M, value_parser = numbers::bandwidth_m, value_name = "M")]
     pub(crate) slope_bandwidth: f64,

@@ -4,6 +4,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use drive_sim::{SimulatedDrive, SimulatedDriver, SynthSettings, Truth, simulate};
 use driver_model::{DriverModel, ModelFile, ModelKind, PhaseExtent, TrainingRecord};
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -13,7 +14,6 @@ use crate::names;
 use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 /// Simulated drives with known truth

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, anyhow, bail};
 use clap::{Args, Subcommand};
 use ev_energy::{ConsumptionUse, OperatingPoint, Vehicle, VehicleCheck, library};
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use super::phases::vehicle;
@@ -11,7 +12,6 @@ use crate::flags::{Context, Format};
 use crate::numbers;
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// Built-in vehicles, vehicle files and single operating points

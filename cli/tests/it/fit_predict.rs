@@ -262,3 +262,74 @@ fn cruising_and_following_are_fitted_written_read_predicted_and_shown() {
     drivekit(&arguments).refused(&["--prior"]);
     drivekit(&["fit", &drives, "--model", "x", "-o", "x.json"]).refused(&["profile-onset", "idm"]);
 }
+
+#[test]
+fn drives_are_added_to_a_model_as_if_they_had_been_there() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let read = |path: &str| -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+    };
+    let (old, new) = (
+        fixture("drives/drive-0[1-4].csv"),
+        fixture("drives/drive-0[5-7].csv"),
+    );
+    let prior = fixture("drives/drive-12.csv");
+    let (once, steps) = (file("once.json"), file("steps.json"));
+    let braking = [
+        "--model",
+        "profile-onset",
+        "--phase",
+        "braking",
+        "--min-gain",
+        "8",
+    ];
+    let with_prior = [&braking[..], &["--prior", &prior, "-o"]].concat();
+    drivekit(&[&["fit", &old, &new][..], &with_prior, &[&once]].concat()).ok();
+    drivekit(&[&["fit", &old][..], &with_prior, &[&steps]].concat()).ok();
+    // One log of before among the new ones, and the file itself is replaced.
+    let known = fixture("drives/drive-04.csv");
+    let update = |more: &[&str]| {
+        drivekit(
+            &[
+                &["fit", &new, &known, "--update", &steps, "-o", &steps],
+                more,
+            ]
+            .concat(),
+        )
+    };
+    update(&["--min-gain", "5"]).refused(&["--min-gain 5", "--min-gain 8"]);
+    update(&["--model", "profile"]).refused(&["--update", "--model"]);
+    update(&["--phase", "braking"]).refused(&["--update", "--phase"]);
+    update(&["--step", "0.2"]).refused(&["--step 0.1", "read them alike"]);
+    let run = update(&["--min-gain", "8"]).ok();
+    assert!(
+        run.stderr.contains("has learnt from them already"),
+        "{}",
+        run.stderr
+    );
+    assert!(
+        run.stdout.contains("were remembered") && run.stdout.contains("3 drives are new"),
+        "{}",
+        run.stdout
+    );
+    let (once, updated) = (read(&once), read(&steps));
+    for key in ["model", "memory", "behaviour", "training"] {
+        assert_eq!(once[key], updated[key], "{key}");
+    }
+    for key in ["model", "phase", "min_gain"] {
+        assert_eq!(once["config"][key], updated["config"][key], "{key}");
+    }
+    update(&[]).refused(&["has learnt from all of these already"]);
+    drivekit(&["fit", &prior, "--update", &steps, "-o", &steps])
+        .refused(&["other drivers", "fit it anew"]);
+
+    let shown = drivekit(&["model", "show", &steps]).ok().stdout;
+    assert!(shown.contains("--update` can add drives"), "{shown}");
+    let shown = drivekit(&["model", "show", &steps, "--format", "json"])
+        .ok()
+        .json();
+    assert_eq!(shown["remembered"]["own_drives"], 7);
+    assert_eq!(shown["remembered"]["other_drives"], 1);
+    assert!(shown["file"].get("memory").is_none());
+}

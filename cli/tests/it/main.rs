@@ -32,6 +32,7 @@ mod little_data;
 mod many_logs;
 mod outputs;
 mod portrait;
+mod predict_follow;
 mod program;
 #[path = "../../../fixtures/python.rs"]
 mod python;

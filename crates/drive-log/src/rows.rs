@@ -44,6 +44,8 @@ pub struct RowReader<R> {
     time: ChannelColumn,
     speed: ChannelColumn,
     lead_gap: Option<ChannelColumn>,
+    columns: Vec<ChannelColumn>,
+    told: Vec<Channel>,
     regular: Regular,
     /// Rows since the last usable one.
     left_out: usize,
@@ -88,11 +90,30 @@ impl<R: BufRead> RowReader<R> {
             time: ChannelColumn::new(Channel::Speed, time, unit),
             speed,
             lead_gap: column(Channel::LeadGap),
+            told: Vec::new(),
             regular: Regular::new(step_s, max_gap_s),
             left_out: 0,
             told_of_steps: false,
             held: Held::default(),
+            columns,
         })
+    }
+
+    /// Rows that also tell those of the channels that the header has, see [`Row::told`]. The speed limit holds between rows, all else is a
+    /// straight line.
+    #[must_use]
+    pub fn telling(mut self, channels: &[Channel]) -> Self {
+        let has = |channel: &&Channel| self.columns.iter().any(|c| c.channel == **channel);
+        self.told = channels.iter().filter(has).copied().collect();
+        let holds = self.told.iter().map(|c| *c == Channel::SpeedLimit);
+        self.regular = self.regular.holding(holds.collect());
+        self
+    }
+
+    /// The channels that rows tell besides, in this order.
+    #[must_use]
+    pub fn told(&self) -> &[Channel] {
+        &self.told
     }
 
     /// The next sample, as soon as it is certain; `None` at the end of the input. What was left out or
@@ -116,7 +137,7 @@ impl<R: BufRead> RowReader<R> {
         }
     }
 
-    /// Time, speed and gap of a row, or what is wrong with it.
+    /// What a row tells, or what is wrong with it.
     fn sample(&mut self, text: &str, remark: &mut dyn FnMut(String)) -> Result<Sample, String> {
         let (path, line) = (&self.lines.path, self.lines.line);
         let row = checked_fields(path, self.delimiter, self.headers.len(), line, text)
@@ -152,17 +173,23 @@ impl<R: BufRead> RowReader<R> {
         {
             return Err(format!("{}: {jump}", place(self.speed)));
         }
-        let gap = self.lead_gap.map(|column| {
-            value(column).and_then(|gap_m| in_range(Channel::LeadGap, column, gap_m))
-        });
-        let lead_gap_m = gap.unwrap_or(Ok(f64::NAN)).unwrap_or_else(|what| {
-            remark(format!("{what}; counted as missing"));
-            f64::NAN
-        });
+        let mut or_missing = |column: Option<&ChannelColumn>| {
+            let told = column.map(|&column| {
+                value(column).and_then(|value| in_range(column.channel, column, value))
+            });
+            told.unwrap_or(Ok(f64::NAN)).unwrap_or_else(|what| {
+                remark(format!("{what}; counted as missing"));
+                f64::NAN
+            })
+        };
+        let lead_gap_m = or_missing(self.lead_gap.as_ref());
+        let column = |channel: &Channel| self.columns.iter().find(|c| c.channel == *channel);
+        let told = self.told.iter().map(|c| or_missing(column(c))).collect();
         Ok(Sample {
             time_s,
             speed_mps,
             lead_gap_m,
+            told,
         })
     }
 
@@ -257,7 +284,7 @@ fn possible(channel: Channel, value: f64) -> Result<f64, String> {
 
 /// What no car does from one row to the next: tyres transmit 10 m/s², a coarse sensor adds 1 m/s, and none goes backward at once.
 /// What stays there is a new piece after the longest gap.
-fn impossible(newest: Sample, time_s: f64, speed_mps: f64) -> Option<String> {
+fn impossible(newest: &Sample, time_s: f64, speed_mps: f64) -> Option<String> {
     let (step_s, jump_mps) = (time_s - newest.time_s, speed_mps - newest.speed_mps);
     let limit_mps = if speed_mps < 0.0 {
         0.0

@@ -32,6 +32,7 @@
 //!
 //! - W. G. Cochran: Sampling Techniques. Wiley, 1977 (the ratio of sums over units and its interval).
 
+pub mod begun;
 pub mod behaviour;
 pub mod calibration;
 pub mod cruise;
@@ -39,7 +40,10 @@ mod error;
 pub mod following;
 mod hold_out;
 mod limits;
+pub mod live_words;
+pub mod model_examples;
 pub mod model_words;
+pub mod new_driver;
 pub mod phase;
 pub mod portrait;
 mod predictions;
@@ -56,5 +60,5 @@ pub use hold_out::{HoldOut, Split};
 pub use limits::LimitsKnown;
 pub use predictions::{
     Predicted, PredictedAhead, PredictedCruise, PredictedFollowing, PredictedPhase, PredictedTrip,
-    PredictionSettings, Predictions, predict,
+    PredictionSettings, Predictions, check_horizons, predict,
 };

@@ -7,7 +7,7 @@ use driver_model::following::FollowingModel;
 use driver_model::phase_model::{ConditionedProfile, StepResponse, TransitionPoint};
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
-use driver_model::{DriverChannel, DriverModel, PhaseModel};
+use driver_model::{Behaviour, DriverChannel, DriverModel, ModelFile, PhaseModel, TrainingRecord};
 
 use crate::words::{listed, plural};
 
@@ -22,6 +22,67 @@ pub fn model_words(model: &DriverModel) -> String {
         DriverModel::SpeedAhead(model) => ahead_words(model),
         DriverModel::Trip(driver) => trip_words(driver),
     }
+}
+
+/// What a model was fitted to, what of it it knew `before`, and what its parameters mean.
+#[must_use]
+pub fn fitted_words(
+    file: &ModelFile,
+    before: Option<&TrainingRecord>,
+    residual_sum_of_squares: Option<f64>,
+) -> String {
+    let training = &file.training;
+    let behaviour = file.model.behaviour();
+    let what = match behaviour {
+        Behaviour::Acceleration | Behaviour::Braking => {
+            format!(
+                "{} {} and {}",
+                plural(training.phases, &format!("{} phase", behaviour.name())),
+                training.extent.words(),
+                plural(training.points, "point")
+            )
+        }
+        Behaviour::Cruise | Behaviour::Following => {
+            plural(training.phases, &format!("stretch of {}", behaviour.name()))
+        }
+        Behaviour::SpeedAhead => format!(
+            "{}, {}",
+            plural(training.phases, "drive"),
+            plural(training.points, "moment")
+        ),
+        Behaviour::Trip => plural(training.phases, "drive"),
+    };
+    let mut text = format!(
+        "{} fitted to {what} of {}",
+        file.model.kind().name(),
+        plural(training.inputs.len(), "drive"),
+    );
+    if !training.prior_inputs.is_empty() {
+        let _ = write!(
+            text,
+            " and {} of other drivers (weight {})",
+            training.prior_inputs.len(),
+            training.prior_weight
+        );
+    }
+    if let Some(before) = before {
+        let _ = write!(
+            text,
+            "\n{} of {} were remembered, {} of {} are new",
+            plural(before.phases, "phase"),
+            plural(before.inputs.len(), "drive"),
+            training.phases - before.phases,
+            plural(training.inputs.len() - before.inputs.len(), "drive"),
+        );
+    }
+    let _ = writeln!(text, "\n{}", model_words(&file.model));
+    if let Some(sum) = residual_sum_of_squares {
+        let _ = writeln!(
+            text,
+            "residual sum of squares {sum:.2} (m/s²)² over the points"
+        );
+    }
+    text
 }
 
 fn ahead_words(model: &DirectModel) -> String {

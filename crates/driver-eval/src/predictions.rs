@@ -276,18 +276,30 @@ impl PredictedFollowing {
     }
 }
 
+fn same_horizon(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9
+}
+
+/// Refuses horizons that a model does not have.
+///
+/// # Errors
+/// [`Error::Horizon`] for the first.
+pub fn check_horizons(model: &DirectModel, horizons_s: &[f64]) -> Result<(), Error> {
+    let known_s: Vec<f64> = model.horizons_s().collect();
+    let unknown = |h: &&f64| !known_s.iter().any(|k| same_horizon(*k, **h));
+    match horizons_s.iter().find(unknown) {
+        Some(&asked_s) => Err(Error::Horizon { asked_s, known_s }),
+        None => Ok(()),
+    }
+}
+
 fn of_speed_ahead(
     motions: &[Motion],
     model: &DirectModel,
     horizons_s: &[f64],
 ) -> Result<(Predictions, Vec<LeftOut>), Error> {
-    let known_s: Vec<f64> = model.horizons_s().collect();
-    let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
-    let unknown = |h: &&f64| !known_s.iter().any(|k| same(*k, **h));
-    if let Some(&asked_s) = horizons_s.iter().find(unknown) {
-        return Err(Error::Horizon { asked_s, known_s });
-    }
-    let wanted = |h: f64| horizons_s.is_empty() || horizons_s.iter().any(|asked| same(*asked, h));
+    check_horizons(model, horizons_s)?;
+    let wanted = |h: f64| horizons_s.is_empty() || horizons_s.iter().any(|a| same_horizon(*a, h));
     let entry = |motion: &Motion| {
         let mut entry = PredictedAhead::of(model, motion)?;
         entry.horizons.retain(|score| wanted(score.horizon_s));

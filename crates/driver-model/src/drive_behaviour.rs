@@ -2,7 +2,7 @@ use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
 use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
 use crate::segmentation::{HeuristicRules, PhaseExtent, StatisticalRules};
-use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, Span, error, motion};
+use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, PointsOf, Span, error, motion};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +45,11 @@ impl PhaseSettings {
     }
 }
 
+/// What lasts so long has begun; most that ends sooner is noise about the threshold.
+pub const BEGUN_S: f64 = 1.0;
+
 /// A whole phase that ends at less would hold standstill and noise.
-const LEAST_END_ACCEL_MPS2: f64 = 1e-3;
+pub(crate) const LEAST_END_ACCEL_MPS2: f64 = 1e-3;
 
 /// What models learn from one drive, and what they are judged on when it is held out.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +60,10 @@ pub struct DriveBehaviour {
     pub phases: Vec<PhaseCurve>,
     /// Those phases from where they begin to where they end, whatever the extent; two that meet there are one.
     pub whole_phases: Vec<PhaseCurve>,
+    /// Phases that last [`BEGUN_S`] but do not count, since they end too soon or change the speed too little; as far as the extent says.
+    pub short_phases: Vec<PhaseCurve>,
+    /// Those that are whole, whatever the extent.
+    pub whole_short_phases: Vec<PhaseCurve>,
     /// Acceleration and braking segments by the statistical route, without a leader.
     pub segments: Vec<Segment>,
     /// Phases that would count but for a leader.
@@ -125,6 +132,8 @@ impl DriveBehaviour {
             name: motion::name(motions).to_owned(),
             phases: Vec::new(),
             whole_phases: Vec::new(),
+            short_phases: Vec::new(),
+            whole_short_phases: Vec::new(),
             segments: Vec::new(),
             lead_influenced: LeadInfluenced::default(),
             whole_lead_influenced: LeadInfluenced::default(),
@@ -151,6 +160,7 @@ impl DriveBehaviour {
     pub fn with_whole_phases(&self) -> Self {
         let mut whole = self.clone();
         whole.phases.clone_from(&self.whole_phases);
+        whole.short_phases.clone_from(&self.whole_short_phases);
         whole.lead_influenced = self.whole_lead_influenced;
         whole
     }
@@ -158,6 +168,25 @@ impl DriveBehaviour {
     /// The phases of one kind.
     pub fn phases_of(&self, kind: PhaseKind) -> impl Iterator<Item = &PhaseCurve> {
         self.phases.iter().filter(move |curve| curve.kind() == kind)
+    }
+
+    /// The phases of one kind that do not count.
+    pub fn short_phases_of(&self, kind: PhaseKind) -> impl Iterator<Item = &PhaseCurve> {
+        let of_kind = move |curve: &&PhaseCurve| curve.kind() == kind;
+        self.short_phases.iter().filter(of_kind)
+    }
+
+    /// Points of acceleration of the segments of one kind.
+    pub fn points_of(
+        &self,
+        kind: PhaseKind,
+        points_of: PointsOf,
+    ) -> impl Iterator<Item = &AccelPoint> {
+        self.segments_of(kind)
+            .flat_map(move |segment| match points_of {
+                PointsOf::Means => std::slice::from_ref(&segment.mean),
+                PointsOf::Samples => &segment.samples,
+            })
     }
 
     /// The segments of one kind.
@@ -171,9 +200,13 @@ impl DriveBehaviour {
         let (spans, curves): (Vec<Span>, Vec<PhaseCurve>) =
             counting(motion, &cut, settings).unzip();
         let whole = settings.heuristic.whole_phases(log, &spans);
+        self.short_phases.extend(short(motion, &cut, &spans));
         self.lead_influenced.split(&spans, curves, &mut self.phases);
         let (spans, curves): (Vec<Span>, Vec<PhaseCurve>) =
             counting(motion, &whole, settings).unzip();
+        let all_whole = settings.heuristic.whole_phases(log, &cut);
+        self.whole_short_phases
+            .extend(short(motion, &all_whole, &spans));
         self.whole_lead_influenced
             .split(&spans, curves, &mut self.whole_phases);
         Ok(())
@@ -204,6 +237,23 @@ impl DriveBehaviour {
         }
         Ok(())
     }
+}
+
+/// Accelerations and brakings without a leader that have begun but are none of those that count.
+fn short<'a>(
+    motion: &'a Motion,
+    phases: &'a [Span],
+    counting: &'a [Span],
+) -> impl Iterator<Item = PhaseCurve> + 'a {
+    let begun = motion.samples_in(BEGUN_S);
+    phases.iter().filter_map(move |phase| {
+        let counts = counting
+            .binary_search_by_key(&phase.start, |counting| counting.start)
+            .is_ok();
+        let has_begun = phase.end - phase.start > begun;
+        let curve = PhaseCurve::cut(motion, phase).filter(|curve| curve.kind() == phase.kind);
+        curve.filter(|_| has_begun && !counts && !phase.lead_influenced)
+    })
 }
 
 /// The phases that are long enough and gain enough, a leader or not.

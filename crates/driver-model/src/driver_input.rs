@@ -1,5 +1,7 @@
+use drive_log::Channel;
 use serde::Serialize;
 
+use crate::motion::samples_in;
 use crate::{DriverChannel, Motion};
 
 /// What the driver does at the first sample of a phase, and what the car feels there; `None` where the log does not say.
@@ -34,17 +36,23 @@ impl DriverInput {
     };
 
     pub(crate) fn at(motion: &Motion, sample: usize) -> Self {
-        let before = |of: DriverChannel, lag: usize| {
-            let value = *motion
-                .log()
-                .channel(of.channel())?
-                .get(sample.checked_sub(lag)?)?;
+        Self::of(sample, motion.step_s(), |channel, sample| {
+            let value = *motion.log().channel(channel)?.get(sample)?;
             value.is_finite().then_some(value)
-        };
+        })
+    }
+
+    /// At a sample, of the values of channels at samples.
+    pub(crate) fn of(
+        sample: usize,
+        step_s: f64,
+        value: impl Fn(Channel, usize) -> Option<f64>,
+    ) -> Self {
+        let before = |of: DriverChannel, lag: usize| value(of.channel(), sample.checked_sub(lag)?);
         let now = |of| before(of, 0);
         let pedal_pct = now(DriverChannel::AcceleratorPedal);
         let change_pct = |lag_s| {
-            let lag = motion.samples_in(lag_s);
+            let lag = samples_in(lag_s, step_s);
             Some(pedal_pct? - before(DriverChannel::AcceleratorPedal, lag)?)
         };
         Self {
@@ -54,6 +62,37 @@ impl DriverInput {
             brake_pct: now(DriverChannel::Brake),
             motor_torque_nm: now(DriverChannel::MotorTorque),
             accelerometer_mps2: now(DriverChannel::Accelerometer),
+        }
+    }
+
+    /// In the order of the fields.
+    pub(crate) fn values(self) -> [Option<f64>; 6] {
+        [
+            self.accelerator_pedal_pct,
+            self.accelerator_pedal_change_pct,
+            self.accelerator_pedal_slow_change_pct,
+            self.brake_pct,
+            self.motor_torque_nm,
+            self.accelerometer_mps2,
+        ]
+    }
+
+    pub(crate) fn of_values(values: [Option<f64>; 6]) -> Self {
+        let [
+            accelerator_pedal_pct,
+            accelerator_pedal_change_pct,
+            accelerator_pedal_slow_change_pct,
+            brake_pct,
+            motor_torque_nm,
+            accelerometer_mps2,
+        ] = values;
+        Self {
+            accelerator_pedal_pct,
+            accelerator_pedal_change_pct,
+            accelerator_pedal_slow_change_pct,
+            brake_pct,
+            motor_torque_nm,
+            accelerometer_mps2,
         }
     }
 

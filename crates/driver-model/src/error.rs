@@ -124,6 +124,26 @@ pub enum Error {
         /// The model.
         model: ModelKind,
     },
+    /// More drives, for a model whose file does not hold those of before.
+    #[error("{}", no_memory(*.model))]
+    NoMemory {
+        /// The model.
+        model: ModelKind,
+    },
+    /// A model that says nothing while a drive goes on.
+    #[error(
+        "`{model}` predicts nothing of a drive that is still going on; only models of the speed ahead and of acceleration and braking phases do"
+    )]
+    NotLive {
+        /// The model.
+        model: ModelKind,
+    },
+    /// Two models that would say the same.
+    #[error("two models of {behaviour}; give one")]
+    TwoOf {
+        /// What they are about.
+        behaviour: &'static str,
+    },
     /// Drives of different sampling intervals.
     #[error("{log}: sampled every {found_s} s where {expected_s} s were expected; resample it")]
     Steps {
@@ -181,6 +201,30 @@ impl LeftOut {
             reason: reason.into(),
         }
     }
+}
+
+fn no_memory(model: ModelKind) -> String {
+    let why = match model.subject() {
+        Subject::Phases => {
+            return format!(
+                "the file of this `{model}` does not hold the phases that it was fitted to, as files of before do not; fit it anew"
+            );
+        }
+        Subject::SpeedAhead => {
+            "it thins the moments of all drives and judges itself on drives held back"
+        }
+        Subject::Cruise | Subject::Following | Subject::Trips => {
+            "it is fitted to all drives at once and keeps none"
+        }
+    };
+    format!(
+        "`{model}` does not remember what it was fitted to: {why}; only models of acceleration and braking phases ({}) do; \
+         fit it anew to all drives",
+        ModelKind::of(Subject::Phases)
+            .map(ModelKind::name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    )
 }
 
 fn listed(left_out: &[LeftOut]) -> String {

@@ -1,6 +1,7 @@
 //! One way to fit any model.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::cruise::CruiseModel;
 use crate::following::FollowingModel;
@@ -8,7 +9,7 @@ use crate::speed_ahead::{DirectModel, DirectSettings};
 use crate::trip_driver::TripDriver;
 use crate::{
     DriveBehaviour, DriverModel, Error, LeftOut, ModelKind, Motion, PhaseExtent, PhaseKind,
-    PhaseModel, PhaseSettings, PointsOf, Subject, TrainingSet, motion,
+    PhaseMemory, PhaseModel, PhaseSettings, PointsOf, Subject, TrainingSet, motion,
 };
 
 /// Drives of other drivers, from which models of phases learn as well.
@@ -34,7 +35,8 @@ pub struct FitSettings {
 }
 
 /// What a model of phases is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Manoeuvre {
     /// Speeding up.
     #[default]
@@ -66,6 +68,8 @@ pub struct Fitted {
     pub residual_sum_of_squares: Option<f64>,
     /// Drives that it could learn nothing from, with the reason.
     pub left_out: Vec<LeftOut>,
+    /// What a model of phases was fitted to, by which [`update`] adds drives; `None` for the others, and where [`PhaseMemory::new`] gives none.
+    pub memory: Option<PhaseMemory>,
 }
 
 /// Fits a model of any kind to drives, of accelerations where it is one of phases.
@@ -143,18 +147,60 @@ fn fit_phases(
     let weight = prior.map_or(0.0, |prior| prior.weight);
     let training = TrainingSet::with_points(settings.points_of, phase_kind, own)
         .with_prior(phase_kind, &others, weight);
-    let model = PhaseModel::fit(kind, &training)?;
+    let mut fitted = fit_to(kind, settings.manoeuvre, &training, own)?;
+    let memory = PhaseMemory::new(settings);
+    fitted.memory = memory.map(|memory| memory.with_own(own).with_prior(&others, weight));
+    Ok(fitted)
+}
+
+/// Fits a model of phases to what it remembers and to more drives: the same as [`fit_with`] on all own drives in this order, with the same
+/// drives of others. `progress` is called after each drive.
+///
+/// # Errors
+/// [`Error::Subject`] for a model that is none of phases, [`Error::Steps`] for a drive of another sampling interval, and whatever [`fit_with`] refuses.
+pub fn update(
+    kind: ModelKind,
+    memory: PhaseMemory,
+    motions: &[Motion],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Fitted, Error> {
+    if let Some(expected_s) = memory.step_s() {
+        let other = |motion: &&Motion| (motion.step_s() - expected_s).abs() > 1e-9;
+        if let Some(motion) = motions.iter().find(other) {
+            return Err(Error::Steps {
+                log: motion.name().to_owned(),
+                found_s: motion.step_s(),
+                expected_s,
+            });
+        }
+    }
+    let new = find_behaviour(motions, &memory.settings(), progress)?;
+    let memory = memory.with_own(&new);
+    let fitted = fit_to(kind, memory.manoeuvre(), &memory.training(), &new)?;
+    Ok(Fitted {
+        memory: Some(memory),
+        ..fitted
+    })
+}
+
+/// `trips` are those of which is said whether they have a phase.
+fn fit_to(
+    kind: ModelKind,
+    manoeuvre: Manoeuvre,
+    training: &TrainingSet<'_>,
+    trips: &[DriveBehaviour],
+) -> Result<Fitted, Error> {
+    let model = PhaseModel::fit(kind, training)?;
+    let phase_kind = PhaseKind::from(manoeuvre);
     let counts = |trip: &DriveBehaviour| trip.phases_of(phase_kind).next().is_some();
+    let reason = format!("no {} phase that counts", phase_kind.name());
     Ok(Fitted {
         phases: training.phases.len(),
         points: training.points.len(),
         residual_sum_of_squares: model.residual_sum_of_squares(&training.points),
-        left_out: without(
-            own,
-            counts,
-            &format!("no {} phase that counts", phase_kind.name()),
-        ),
-        model: match settings.manoeuvre {
+        left_out: without(trips, counts, &reason),
+        memory: None,
+        model: match manoeuvre {
             Manoeuvre::Acceleration => DriverModel::Acceleration(model),
             Manoeuvre::Braking => DriverModel::Braking(model),
         },
@@ -170,6 +216,7 @@ fn fit_cruise(trips: &[DriveBehaviour]) -> Result<Fitted, Error> {
         points: 0,
         residual_sum_of_squares: None,
         left_out: without(trips, counts, "no stretch of cruising that counts"),
+        memory: None,
     })
 }
 
@@ -182,6 +229,7 @@ fn fit_following(kind: ModelKind, trips: &[DriveBehaviour]) -> Result<Fitted, Er
         points: 0,
         residual_sum_of_squares: None,
         left_out: without(trips, counts, "no stretch behind a vehicle that counts"),
+        memory: None,
     })
 }
 
@@ -198,6 +246,7 @@ fn fit_speed_ahead(
         model: DriverModel::SpeedAhead(model),
         residual_sum_of_squares: None,
         left_out,
+        memory: None,
     })
 }
 
@@ -209,6 +258,7 @@ fn fit_trip_driver(motions: &[Motion]) -> Result<Fitted, Error> {
         points: 0,
         residual_sum_of_squares: None,
         left_out,
+        memory: None,
     })
 }
 

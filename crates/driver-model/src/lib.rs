@@ -20,7 +20,7 @@
 //!
 //! By module: [`cruise`] says how the driver holds a speed, [`following`] how he keeps the distance to a vehicle ahead,
 //! [`speed_ahead`] what speed the next seconds bring, [`trip_driver`] how a whole trip over a [`road`] goes, [`energy`] what it
-//! costs, and [`portrait`] what kind of driver this is.
+//! costs, and [`portrait`] what kind of driver this is. [`live`] predicts while a drive goes on.
 //!
 //! # Example
 //!
@@ -66,6 +66,8 @@ mod function_fit;
 mod grid;
 mod kind;
 mod least_squares;
+pub mod live;
+mod memory;
 mod model;
 mod model_file;
 pub mod motion;
@@ -83,14 +85,17 @@ mod training;
 pub mod trip_driver;
 
 pub use accel_point::AccelPoint;
-pub use drive_behaviour::{DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
+pub use drive_behaviour::{BEGUN_S, DriveBehaviour, LeadInfluenced, PhaseSettings, Segment};
 pub use driver_channel::DriverChannel;
 pub use driver_input::DriverInput;
 pub use driver_model::{Behaviour, DriverModel, Situation};
 pub use error::{Error, LeftOut};
-pub use fit::{FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, without};
+pub use fit::{
+    FitSettings, Fitted, Manoeuvre, Prior, find_behaviour, fit, fit_with, update, without,
+};
 pub use function_fit::{AccelDensity, FunctionFit, function_fits};
 pub use kind::{ModelKind, Subject};
+pub use memory::PhaseMemory;
 pub use model::PhaseModel;
 pub use model_file::{MODEL_SCHEMA, ModelFile, TrainingInput, TrainingRecord};
 pub use motion::{LimitCover, Motion, SlopeSource};

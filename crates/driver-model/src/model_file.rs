@@ -1,7 +1,10 @@
+mod lists;
+
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
-use crate::{Behaviour, DriverModel, Error, PhaseExtent};
+use crate::{Behaviour, DriverModel, Error, PhaseExtent, PhaseKind, PhaseMemory};
+use lists::ItemsOnALine;
 
 /// Schema name and version of model files.
 pub const MODEL_SCHEMA: &str = "drivekit/model/3";
@@ -49,12 +52,14 @@ pub struct ModelFile {
     pub training: TrainingRecord,
     /// Configuration of the fit.
     pub config: Value,
+    /// Every phase that a model of phases was fitted to; `None` for other models and in files of before.
+    pub memory: Option<PhaseMemory>,
 }
 
 /// The file as it stands on disk: what the model is, the behaviour says.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct OnDisk<S, M, T, C> {
+struct OnDisk<S, M, T, C, P> {
     schema: S,
     units: S,
     version: S,
@@ -62,6 +67,8 @@ struct OnDisk<S, M, T, C> {
     model: M,
     training: T,
     config: C,
+    #[serde(default = "Option::default", skip_serializing_if = "Option::is_none")]
+    memory: Option<P>,
 }
 
 impl Serialize for ModelFile {
@@ -74,6 +81,7 @@ impl Serialize for ModelFile {
             model: &self.model,
             training: &self.training,
             config: &self.config,
+            memory: self.memory.as_ref(),
         };
         on_disk.serialize(serializer)
     }
@@ -88,13 +96,29 @@ impl ModelFile {
             model,
             training,
             config,
+            memory: None,
         }
+    }
+
+    /// The same with what the model was fitted to.
+    #[must_use]
+    pub fn with_memory(self, memory: Option<PhaseMemory>) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// What the model was fitted to.
+    ///
+    /// # Errors
+    /// [`Error::NoMemory`] for a model that is none of phases, and for a file that does not have it.
+    pub fn remembered(&self) -> Result<&PhaseMemory, Error> {
+        let model = self.model.kind();
+        self.memory.as_ref().ok_or(Error::NoMemory { model })
     }
 
     /// Parses and checks a model file.
     ///
     /// # Errors
-    /// [`Error::ModelFile`] for text that is no model file or of another version, [`Error::Parameter`] for
+    /// [`Error::ModelFile`] for text that is no model file or of another version, or whose memory is not of the model, [`Error::Parameter`] for
     /// parameters that no fit can produce.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         #[derive(Deserialize)]
@@ -122,7 +146,7 @@ impl ModelFile {
                 )));
             }
         }
-        let file: OnDisk<String, Value, TrainingRecord, Value> =
+        let file: OnDisk<String, Value, TrainingRecord, Value, PhaseMemory> =
             serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
         if file.units != UNITS {
             return Err(refuse(format!(
@@ -133,11 +157,17 @@ impl ModelFile {
         let model = DriverModel::from_value(file.behaviour, file.model)
             .map_err(|e| refuse(format!("the model: {e}")))?;
         model.check()?;
+        if let Some(memory) = &file.memory {
+            file.training
+                .check(memory, file.behaviour)
+                .map_err(|what| refuse(format!("its memory is not of the model: {what}")))?;
+        }
         Ok(Self {
             version: file.version,
             model,
             training: file.training,
             config: file.config,
+            memory: file.memory,
         })
     }
 
@@ -146,10 +176,65 @@ impl ModelFile {
     /// # Errors
     /// [`Error::ModelFile`] where a parameter has no JSON form.
     pub fn to_json(&self) -> Result<String, Error> {
-        serde_json::to_string_pretty(self)
-            .map(|text| text + "\n")
-            .map_err(|e| Error::ModelFile {
-                reason: e.to_string(),
-            })
+        let refuse = |reason: String| Error::ModelFile { reason };
+        let mut text = Vec::new();
+        self.serialize(&mut ItemsOnALine::serializer(&mut text))
+            .map_err(|error| refuse(error.to_string()))?;
+        text.push(b'\n');
+        String::from_utf8(text).map_err(|error| refuse(error.to_string()))
+    }
+}
+
+impl TrainingRecord {
+    /// Whether a log with this SHA-256 is among the driver's own.
+    #[must_use]
+    pub fn has_learnt(&self, sha256: &str) -> bool {
+        self.inputs.iter().any(|input| input.sha256 == sha256)
+    }
+
+    /// Whether it is among those of other drivers.
+    #[must_use]
+    pub fn has_as_prior(&self, sha256: &str) -> bool {
+        self.prior_inputs.iter().any(|input| input.sha256 == sha256)
+    }
+
+    /// The record of a model that went on learning: the logs of both, with the other drivers of this one.
+    #[must_use]
+    pub fn extended(&self, by: Self) -> Self {
+        Self {
+            inputs: [self.inputs.clone(), by.inputs].concat(),
+            prior_inputs: self.prior_inputs.clone(),
+            prior_weight: self.prior_weight,
+            ..by
+        }
+    }
+
+    /// What of a memory is not what this says that the model was fitted to.
+    fn check(&self, memory: &PhaseMemory, behaviour: Behaviour) -> Result<(), &'static str> {
+        let is_of = match behaviour {
+            Behaviour::Acceleration => memory.kind() == PhaseKind::Acceleration,
+            Behaviour::Braking => memory.kind() == PhaseKind::Braking,
+            _ => false,
+        };
+        let has_weight = self.prior_inputs.is_empty()
+            || (memory.prior_weight() - self.prior_weight).abs() < f64::EPSILON;
+        let agreements = [
+            (is_of, "it is of another behaviour"),
+            (
+                memory.settings().extent == self.extent,
+                "its phases reach as far as others",
+            ),
+            (
+                memory.counts() == (self.phases, self.points),
+                "it has another number of phases or points",
+            ),
+            (
+                memory.drive_counts() == (self.inputs.len(), self.prior_inputs.len()),
+                "it has another number of drives",
+            ),
+            (has_weight, "other drivers have another weight"),
+        ];
+        let wrong = agreements.into_iter().find(|(agrees, _)| !agrees);
+        wrong.map_or(Ok(()), |(_, what)| Err(what))
     }
 }

@@ -2,7 +2,8 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use crate::{DriverInput, Motion, PhaseKind, Span, SpeedGroup};
+use crate::motion::samples_in;
+use crate::{BEGUN_S, DriverInput, Motion, PhaseKind, Span, SpeedGroup};
 
 /// What a model may be told of a phase before it predicts it. Each model takes only what it declares to know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -34,7 +35,20 @@ pub struct Onset {
 }
 
 impl Onset {
-    fn before(start: usize, speed_mps: &[f64], step_s: f64) -> Option<Self> {
+    /// Acceleration, jerk, and the jerk before, in SI units.
+    pub(crate) fn values(self) -> [f64; 3] {
+        [self.accel_mps2, self.jerk_mps3, self.previous_jerk_mps3]
+    }
+
+    pub(crate) fn of_values([accel_mps2, jerk_mps3, previous_jerk_mps3]: [f64; 3]) -> Self {
+        Self {
+            accel_mps2,
+            jerk_mps3,
+            previous_jerk_mps3,
+        }
+    }
+
+    pub(crate) fn before(start: usize, speed_mps: &[f64], step_s: f64) -> Option<Self> {
         let speed = speed_mps.get(start.checked_sub(3)?..=start)?;
         let accel = |k: usize| (speed[k + 1] - speed[k]) / step_s;
         Some(Self {
@@ -139,22 +153,58 @@ impl PhaseCurve {
     pub fn cut(motion: &Motion, phase: &Span) -> Option<Self> {
         let log = motion.log();
         let range = phase.start..phase.end;
-        let speed_mps = log.speed_mps().get(range.clone())?.to_vec();
-        let gain = speed_mps.last()? - speed_mps.first()?;
-        if speed_mps.len() < 2 || gain.abs() < f64::EPSILON {
-            return None;
-        }
+        let slope_rad = motion.slope_rad().and_then(|s| s.get(range.clone()));
+        let curve = Self::of_parts(
+            log.time_s(phase.start),
+            log.step_s(),
+            log.speed_mps().get(range)?.to_vec(),
+            Onset::before(phase.start, log.speed_mps(), log.step_s()),
+            DriverInput::at(motion, phase.start),
+        )?;
         Some(Self {
-            start_s: log.time_s(phase.start),
-            step_s: log.step_s(),
-            slope_rad: motion
-                .slope_rad()
-                .and_then(|s| s.get(range))
-                .map(<[f64]>::to_vec),
-            onset: Onset::before(phase.start, log.speed_mps(), log.step_s()),
-            input: DriverInput::at(motion, phase.start),
-            speed_mps,
+            slope_rad: slope_rad.map(<[f64]>::to_vec),
+            ..curve
         })
+    }
+
+    /// On an unknown slope; `None` as in [`cut`](Self::cut).
+    pub(crate) fn of_parts(
+        start_s: f64,
+        step_s: f64,
+        speed_mps: Vec<f64>,
+        onset: Option<Onset>,
+        input: DriverInput,
+    ) -> Option<Self> {
+        let gain = speed_mps.last()? - speed_mps.first()?;
+        let is_phase = speed_mps.len() >= 2 && gain.abs() >= f64::EPSILON;
+        is_phase.then_some(Self {
+            start_s,
+            step_s,
+            speed_mps,
+            slope_rad: None,
+            onset,
+            input,
+        })
+    }
+
+    pub(crate) fn without_slope(&self) -> Self {
+        Self {
+            slope_rad: None,
+            ..self.clone()
+        }
+    }
+
+    /// Change of speed over [`BEGUN_S`] from the first sample on; `None` for a shorter phase.
+    #[must_use]
+    pub fn early_gain_mps(&self) -> Option<f64> {
+        let begun = samples_in(BEGUN_S, self.step_s);
+        Some(self.speed_mps.get(begun)? - self.speed_mps[0])
+    }
+
+    /// Sampling interval.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        self.step_s
     }
 
     /// Time of the first sample in the drive.

@@ -1,4 +1,4 @@
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{AccelPoint, DriveBehaviour, PhaseCurve, PhaseKind};
 
@@ -13,7 +13,7 @@ pub struct TrainingSet<'a> {
 }
 
 /// Points of acceleration over speed that functions are fitted to.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PointsOf {
     /// One per segment, by its means.
@@ -79,22 +79,30 @@ impl<'a> TrainingSet<'a> {
         trips: impl IntoIterator<Item = &'a DriveBehaviour>,
         weight: f64,
     ) {
+        let points_of = self.points_of;
+        let parts = |trip: &'a DriveBehaviour| {
+            let points = trip.points_of(kind, points_of);
+            (trip.phases_of(kind), points)
+        };
+        self.add(trips.into_iter().map(parts), weight);
+    }
+
+    /// Adds the phases and points of trips, which are numbered on from the last that has a phase.
+    pub(crate) fn add<P, A>(&mut self, trips: impl Iterator<Item = (P, A)>, weight: f64)
+    where
+        P: Iterator<Item = &'a PhaseCurve>,
+        A: Iterator<Item = &'a AccelPoint>,
+    {
         let first = self.phases.last().map_or(0, |p| p.trip + 1);
-        for (number, trip) in (first..).zip(trips) {
-            let phases = trip.phases_of(kind).map(|curve| TrainingPhase {
+        for (trip, (curves, points)) in (first..).zip(trips) {
+            let phase = |curve| TrainingPhase {
                 curve,
-                trip: number,
+                trip,
                 weight,
-            });
-            self.phases.extend(phases);
-            for segment in trip.segments_of(kind) {
-                let points = match self.points_of {
-                    PointsOf::Means => std::slice::from_ref(&segment.mean),
-                    PointsOf::Samples => &segment.samples,
-                };
-                let weighted = |point: &AccelPoint| AccelPoint { weight, ..*point };
-                self.points.extend(points.iter().map(weighted));
-            }
+            };
+            self.phases.extend(curves.map(phase));
+            let weighted = |point: &AccelPoint| AccelPoint { weight, ..*point };
+            self.points.extend(points.map(weighted));
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A page is plain HTML, CSS and JavaScript from `web/`, with the JSON document of a command inside; its own script draws tables and
 //! charts from that. It reaches for nothing outside, works from a file, and says which keys a document lacks. [`picture`] draws speeds
-//! as SVG without a document, and [`require`] holds figures of a document against thresholds.
+//! as SVG without a document, [`terminal`] tables and speeds as text, and [`require`] holds figures of a document against thresholds.
 //!
 //! ```
 //! let document = serde_json::json!({ "schema": "drivekit/energy/1", "trips": [] });
@@ -14,6 +14,7 @@ mod live;
 mod pages;
 pub mod picture;
 pub mod require;
+pub mod terminal;
 
 use serde_json::Value;
 

@@ -1,5 +1,6 @@
 use anyhow::Context as _;
 use clap::Args;
+use report::terminal::{Table, number};
 use serde::Serialize;
 use testbed_sim::Adaptation;
 use unicycle_cbf::{ControllerSettings, Demands, Preset, Scenario, ScenarioSpec};
@@ -11,7 +12,6 @@ use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// What a scenario asks of its robots, and what is driven in its place where that does not fit

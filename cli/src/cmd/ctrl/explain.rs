@@ -3,6 +3,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
+use report::terminal::{Table, number};
 use serde::Serialize;
 use testbed_sim::explain::{Explained, Relaxed, StateSpec};
 use unicycle_cbf::{Preset, Scenario};
@@ -13,7 +14,6 @@ use crate::flags::{Context, Format};
 use crate::inputs::files::FileInputs;
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// One state's rows, optimum and multipliers

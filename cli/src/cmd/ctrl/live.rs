@@ -10,6 +10,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use anyhow::Context as _;
 use clap::Args;
 use live_view::{NewestPlaces, Snapshot, View};
+use report::terminal::number;
 use serde::Serialize;
 use testbed_io::live::{Ending, LinkSpec, LinkTemplate, LiveReport, Session, StopSwitch, Update};
 use testbed_io::log_file::Journal;
@@ -21,7 +22,6 @@ use super::check::missing_guards;
 use crate::flags::Context;
 use crate::names::named;
 use crate::output;
-use crate::render::table::number;
 use crate::temporary;
 
 /// Watchdog of controllers that have none, in s.

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use report::terminal::{Table, number};
 use serde::Serialize;
 use testbed_io::log_file;
 use testbed_io::recorded::{self, RecordingLayout};
@@ -17,7 +18,6 @@ use crate::inputs::files::FileInputs;
 use crate::names::named;
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// From which difference of durations on there is something to say, in s.

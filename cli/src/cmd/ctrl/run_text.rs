@@ -1,11 +1,11 @@
 //! What a run came to, in words.
 
+use report::terminal::{Table, number};
 use testbed_sim::{LeastDistance, Summary, Verdict};
 
 use super::ended::Ended;
 use super::live;
 use super::scenario::Named;
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 /// Why the verdict is not known.

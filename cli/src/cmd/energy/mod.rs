@@ -1,13 +1,12 @@
 mod body;
 mod text;
-mod trace;
 
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
 use driver_model::Motion;
-use driver_model::energy::{DriveEnergy, EnergyTotals, drive_energy};
+use driver_model::energy::{DriveEnergy, EnergyTotals, drive_energy, trace_csv};
 use driver_model::motion;
 use ev_energy::Vehicle;
 use rayon::prelude::*;
@@ -79,7 +78,8 @@ pub(crate) fn run(args: &EnergyArgs, context: &Context) -> anyhow::Result<Outcom
                 vehicles.len()
             );
         };
-        trace::write(path, &motions, vehicle)?;
+        let trace = trace_csv(&motions, vehicle)?;
+        output::write_file(path, |out| Ok(out.write_all(trace.as_bytes())?))?;
         output::note(context, &format!("trace written to {}", path.display()));
     }
     if vehicles.iter().any(Vehicle::warms_up) {

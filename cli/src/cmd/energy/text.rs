@@ -2,9 +2,9 @@ use std::fmt::Write as _;
 
 use driver_model::energy::Measured;
 use ev_energy::{JOULES_PER_KWH, TripEnergy};
+use report::terminal::{Table, number};
 
 use super::body::{Body, Entry, Totals};
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 /// Tables of the logs, of their budgets and of the totals.

@@ -7,8 +7,8 @@ use driver_eval::cruise::CruiseEvaluation;
 use driver_eval::following::{FollowingEvaluation, PairedDrivers};
 use driver_eval::phase::{Evaluation, LearningPoint, PairedComparison, Summary};
 use driver_model::{DriveBehaviour, ModelKind, PhaseKind};
+use report::terminal::{Table, number};
 
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 /// What was asked for, as the headings of tables say it.

@@ -16,13 +16,15 @@ use crate::require::RequireArgs;
 ///
 /// The model learns from the acceleration phases of the logs, or from their braking phases. With logs of other drivers
 /// it learns from those, too, each of their phases with the prior weight. Models of cruising and following learn from
-/// stretches of their own kind.
-#[derive(Debug, Args, Serialize)]
+/// stretches of their own kind. A model of phases remembers all that it was fitted to, so that drives can be added later: the
+/// model is then as if it were fitted to all of them.
+#[derive(Debug, Clone, Args, Serialize)]
 #[command(after_help = "\
 Examples:
   drivekit fit logs/ --model profile-onset -o driver.json
   drivekit fit logs/*.csv --model inverse -o inverse.json && drivekit predict new.csv --model inverse.json
   drivekit fit anna/ --prior others/ --prior-weight 0.33 --model profile-conditioned -o anna.json
+  drivekit fit tuesday.csv --update anna.json -o anna.json            more drives for a model; those of before need not be there
   drivekit fit logs/ --model rise-time --phase braking -o braking.json
   drivekit fit logs/ --model profile-pedal --extent whole -o whole.json    phases from where they begin to where they end
   drivekit fit logs/ --model idm -o following.json
@@ -42,8 +44,22 @@ pub(crate) struct FitArgs {
     /// Model of phases: inverse, exponential, exponential-amplitude, rise-time, rise-time-exact, transition-point, profile, profile-conditioned,
     /// profile-onset, profile-pedal, or a baseline; of holding a speed: cruise; of following: idm, constant-time-gap; of the next seconds: svr-linear,
     /// svr-quadratic, svr-cubic, svr-rbf, least-squares, blend, ridge, boosted-trees; of whole trips: trip-driver
-    #[arg(long, value_parser = names::fitted_model(), hide_possible_values = true, value_name = "KIND")]
-    pub(super) model: ModelKind,
+    #[arg(
+        long,
+        value_parser = names::fitted_model(),
+        hide_possible_values = true,
+        value_name = "KIND",
+        required_unless_present = "update"
+    )]
+    pub(super) model: Option<ModelKind>,
+    /// Add the logs to a model of phases that was fitted before; what it is, what it learns from and how other drivers count is as in its
+    /// file, which -o may replace
+    #[arg(
+        long,
+        value_name = "FILE.json",
+        conflicts_with_all = ["model", "phase", "extent", "to", "horizons", "slope_ahead", "prior", "prior_weight"]
+    )]
+    pub(super) update: Option<PathBuf>,
     /// Phases to learn from
     #[arg(long, value_enum, default_value_t = Phase::Acceleration, value_name = "KIND")]
     pub(super) phase: Phase,
@@ -66,6 +82,10 @@ pub(crate) struct FitArgs {
     #[command(flatten)]
     #[serde(skip)]
     pub(super) require: RequireArgs,
+    /// Flags that the command line has.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub(crate) given: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use driver_eval::portrait::sentences;
 use driver_model::portrait::Portrait;
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use super::motions::motions;
@@ -15,7 +16,6 @@ use crate::flags::{Context, Format, LogArgs};
 use crate::inputs::{self, Input, Inputs};
 use crate::output;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// One page about a driver

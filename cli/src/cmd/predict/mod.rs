@@ -1,3 +1,4 @@
+mod follow;
 mod tables;
 
 use std::path::PathBuf;
@@ -27,12 +28,16 @@ use crate::require::{KnownFigures, RequireArgs};
 ///
 /// Phases or stretches of whatever the model was fitted to. Acceleration and braking phases are found as in `fit`; the model is told of each what it may know (start speed and duration, and the end
 /// speed where it takes one) and its prediction is compared with the measured speed.
+///
+/// With --follow, of a drive that is still going on: a line a second with the speed ahead, a line when a phase has begun that says how
+/// it is likely to go, from the remembered phases that began like it, and a line when it has ended.
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
 Examples:
   drivekit predict drive.csv --model driver.json
   drivekit predict drive.csv --model ahead.json --horizon 5     from `drivekit fit --model svr-rbf`
-  drivekit predict logs/ --model driver.json --format json > predicted.json")]
+  drivekit predict logs/ --model driver.json --format json > predicted.json
+  logger | drivekit predict - --follow --model ahead.json --model acceleration.json --model braking.json")]
 pub(crate) struct PredictArgs {
     #[command(flatten)]
     #[serde(flatten)]
@@ -40,25 +45,41 @@ pub(crate) struct PredictArgs {
     #[command(flatten)]
     #[serde(flatten)]
     phases: PhaseArgs,
-    /// Model file written by `drivekit fit`
-    #[arg(long, value_name = "FILE.json")]
-    model: PathBuf,
+    /// Model file written by `drivekit fit`; with --follow up to three, one of the speed ahead, one of acceleration and one of braking
+    #[arg(long, required = true, value_name = "FILE.json")]
+    model: Vec<PathBuf>,
     /// Full width of the band around the measured speed, in km/h
     #[arg(long, default_value_t = 3.0, value_parser = numbers::width_kmh, value_name = "KM/H")]
     band: f64,
     /// Seconds ahead, comma separated [default: all of the model]
     #[arg(long, value_delimiter = ',', value_parser = numbers::horizon_s, value_name = "S")]
     horizon: Vec<f64>,
+    /// Predict canonical CSV from stdin while it is written. Samples must be --step apart; a gap over --max-gap starts a new piece
+    #[arg(
+        long,
+        conflicts_with_all = ["band", "min_duration", "min_gain", "accel_deadband", "slope_bandwidth", "require"],
+        help_heading = "Streams"
+    )]
+    #[serde(skip)]
+    follow: bool,
     #[command(flatten)]
     #[serde(skip)]
     require: RequireArgs,
 }
 
 pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outcome> {
+    if args.follow {
+        return follow::run(args, context);
+    }
+    let [model] = &args.model[..] else {
+        bail!(
+            "several models predict a drive that is still going on, with --follow; logs are predicted by one --model"
+        );
+    };
     args.require.check(&KnownFigures::new(include_str!(
         "../../figures/predict.txt"
     )))?;
-    let file = super::model::read(&args.model)?;
+    let file = super::model::read(model)?;
     let inputs = inputs::load(&args.logs, context)?;
     let is_ahead = matches!(file.model, DriverModel::SpeedAhead(_));
     if !args.horizon.is_empty() && !is_ahead {

@@ -4,8 +4,7 @@ use driver_eval::{
     Predicted, PredictedAhead, PredictedCruise, PredictedFollowing, PredictedPhase, PredictedTrip,
     Predictions,
 };
-
-use crate::render::table::{Table, number};
+use report::terminal::{Table, number};
 
 pub(super) fn of(predictions: &Predictions) -> String {
     match predictions {

@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use drive_log::DriveLog;
 use driver_eval::segmentation::Comparison;
 use driver_model::segmentation::{MethodFigures, Segmenter};
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use super::args::SegmentArgs;
@@ -18,7 +19,6 @@ use crate::inputs;
 use crate::output::{self, note, print_json, print_text};
 use crate::progress::Progress;
 use crate::render::json::Document;
-use crate::render::table::{Table, number};
 use crate::require::KnownFigures;
 
 /// The thesis takes as many, "to preserve the accuracy of the timing measurement".

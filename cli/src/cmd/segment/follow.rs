@@ -1,109 +1,30 @@
 //! Segments of a drive that is still going on, one line each.
 
-use std::io::BufReader;
-use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::Receiver;
 
-use anyhow::bail;
-use drive_log::{Row, RowReader, Smoothing};
 use driver_model::segmentation::{PhaseStream, Reading, Scaling, StreamedPhase};
+use report::terminal::number;
 
 use super::args::SegmentArgs;
 use super::output::SegmentEntry;
 use crate::exit::Outcome;
 use crate::flags::{Context, Format};
+use crate::listening::{self, Told, listen};
 use crate::output::{Reader, note, print_to_reader};
-use crate::render::table::number;
-#[cfg(unix)]
-use crate::temporary::is_ignored;
-
-const STDIN: &str = "stdin";
-
-/// Rows that are read ahead.
-const READ_AHEAD: usize = 256;
-
-/// What the loop waits for.
-enum Told {
-    Row(Row),
-    Remark(String),
-    /// No more rows: the stream has ended, it cannot be read, or the user ends it.
-    End(Result<(), drive_log::Error>),
-}
 
 pub(super) fn run(args: &SegmentArgs, context: &Context) -> anyhow::Result<Outcome> {
-    let reading = &args.logs.reading;
-    if args.logs.logs.iter().any(|path| path != Path::new("-")) {
-        bail!("--follow reads stdin: `logger | drivekit segment - --follow`");
-    }
-    if !matches!(reading.layout.as_str(), "auto" | "canonical") {
-        bail!("--follow reads canonical headers such as time_s,speed_kmh; leave --layout out");
-    }
+    listening::check(&args.logs, "segment")?;
     let method = args.method.resolved(Scaling::WLTC)?;
-    let smoothing = if reading.raw {
-        Smoothing::None
-    } else {
-        reading.smooth
-    };
-    let stream = PhaseStream::new(&method.rules()?, reading.step, smoothing)?;
+    let smoothing = listening::smoothing(&args.logs);
+    let stream = PhaseStream::new(&method.rules()?, args.logs.reading.step, smoothing)?;
     if args.method.scale.is_none() {
         note(
             context,
             "speed and acceleration are divided by half their ranges in the WLTC; --scale V,A sets others",
         );
     }
-    let told = listen(reading.step, reading.max_gap)?;
-    follow(&told, &stream, context)?;
+    follow(&listen(&args.logs, &[])?, &stream, context)?;
     Ok(Outcome::Done)
-}
-
-/// Rows come from a thread, so that a signal is heard while it waits for the next.
-fn listen(step_s: f64, max_gap_s: f64) -> anyhow::Result<Receiver<Told>> {
-    let (teller, told) = sync_channel(READ_AHEAD);
-    end_on_signals(&teller)?;
-    std::thread::Builder::new()
-        .name("rows".to_owned())
-        .spawn(move || {
-            let ended = read(step_s, max_gap_s, &teller);
-            let _ = teller.send(Told::End(ended));
-        })?;
-    Ok(told)
-}
-
-fn read(step_s: f64, max_gap_s: f64, teller: &SyncSender<Told>) -> Result<(), drive_log::Error> {
-    let input = BufReader::new(std::io::stdin());
-    let mut rows = RowReader::new(Path::new(STDIN), input, step_s, max_gap_s)?;
-    let mut remark = |text| {
-        let _ = teller.send(Told::Remark(text));
-    };
-    while let Some(row) = rows.next_row(&mut remark)? {
-        if teller.send(Told::Row(row)).is_err() {
-            break;
-        }
-    }
-    Ok(())
-}
-
-/// What is buffered is printed before the program ends.
-#[cfg(unix)]
-fn end_on_signals(teller: &SyncSender<Told>) -> anyhow::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let watched = [SIGINT, SIGTERM, SIGHUP];
-    let watched = watched.into_iter().filter(|signal| !is_ignored(*signal));
-    let mut signals = signal_hook::iterator::Signals::new(watched)?;
-    let teller = teller.clone();
-    std::thread::Builder::new()
-        .name("signals".to_owned())
-        .spawn(move || {
-            if signals.forever().next().is_some() {
-                let _ = teller.send(Told::End(Ok(())));
-            }
-        })?;
-    Ok(())
-}
-
-#[cfg(not(unix))]
-fn end_on_signals(_: &SyncSender<Told>) -> anyhow::Result<()> {
-    Ok(())
 }
 
 /// Starts from a fresh stream, anew with every piece. Whatever ends it, what was read is printed to its end.
@@ -113,6 +34,7 @@ fn follow(told: &Receiver<Told>, fresh: &PhaseStream, context: &Context) -> anyh
     let mut ended = Ok(());
     for told in told {
         match told {
+            Told::Columns(_) => {}
             Told::Remark(text) => note(context, &text),
             Told::End(end) => {
                 ended = end;

@@ -7,10 +7,10 @@ use drive_log::{Channel, DriveLog};
 use driver_model::segmentation::{Optimality, Segmented, StreamedPhase};
 use driver_model::{LeftOut, PhaseKind, Span};
 use report::picture::{self, Behaviour, SpeedPlot, Stretch};
+use report::terminal::{Table, number};
 use serde::Serialize;
 
 use crate::inputs::Input;
-use crate::render::table::{Table, number};
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {

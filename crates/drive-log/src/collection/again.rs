@@ -40,6 +40,17 @@ impl Collection {
         self.without_those(twice)
     }
 
+    /// Parts the drives of files with these SHA-256 from the others; they come second.
+    #[must_use]
+    pub fn parted(mut self, is_known: impl Fn(&str) -> bool) -> (Self, Vec<SourcedDrive>) {
+        let (known, new) = self
+            .drives
+            .into_iter()
+            .partition(|drive| is_known(&drive.sha256));
+        self.drives = new;
+        (self, known)
+    }
+
     fn without_those(mut self, twice: Vec<Option<Repeated>>) -> Self {
         let mut twice = twice.into_iter();
         let beside = &mut self.beside.twice;

@@ -5,11 +5,12 @@ use crate::quality::time::MAX_LATE;
 use crate::resample::ON_GRID;
 
 /// A row as it came.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Sample {
     pub(super) time_s: f64,
     pub(super) speed_mps: f64,
     pub(super) lead_gap_m: f64,
+    pub(super) told: Vec<f64>,
 }
 
 /// What a sample is to those before it.
@@ -42,6 +43,8 @@ pub(super) struct Regular {
     /// After the newest one of the piece; grid points up to it are not out yet.
     coming: Option<Sample>,
     late: usize,
+    /// Whether a value stays until the next row, of each that is told.
+    holds: Vec<bool>,
 }
 
 impl Regular {
@@ -52,7 +55,12 @@ impl Regular {
             piece: None,
             coming: None,
             late: 0,
+            holds: Vec::new(),
         }
+    }
+
+    pub(super) fn holding(self, holds: Vec<bool>) -> Self {
+        Self { holds, ..self }
     }
 
     pub(super) fn step_s(&self) -> f64 {
@@ -60,9 +68,9 @@ impl Regular {
     }
 
     /// The newest sample that was taken.
-    pub(super) fn newest(&self) -> Option<Sample> {
-        self.coming
-            .or(self.piece.as_ref().map(|piece| piece.newest))
+    pub(super) fn newest(&self) -> Option<&Sample> {
+        let newest = self.piece.as_ref().map(|piece| &piece.newest);
+        self.coming.as_ref().or(newest)
     }
 
     pub(super) fn newest_s(&self) -> Option<f64> {
@@ -111,32 +119,38 @@ impl Regular {
 
     /// The next sample on the grid that what has come decides.
     pub(super) fn next(&mut self) -> Option<Row> {
-        let (piece, coming) = (self.piece.as_mut()?, self.coming?);
+        let piece = self.piece.as_mut()?;
+        let coming_s = self.coming.as_ref()?.time_s;
         let near_s = ON_GRID * self.step_s;
         let time_s = piece.start_s + piece.out as f64 * self.step_s;
-        if time_s > coming.time_s + near_s {
-            piece.newest = coming;
-            self.coming = None;
+        if time_s > coming_s + near_s {
+            piece.newest = self.coming.take()?;
             return None;
         }
-        let newest = piece.newest;
-        let [speed_mps, lead_gap_m] = if time_s <= newest.time_s + near_s {
-            [newest.speed_mps, newest.lead_gap_m]
+        let (newest, coming) = (&piece.newest, self.coming.as_ref()?);
+        let share = if time_s <= newest.time_s + near_s {
+            0.0
         } else if time_s >= coming.time_s - near_s {
-            [coming.speed_mps, coming.lead_gap_m]
+            1.0
         } else {
-            let share = (time_s - newest.time_s) / (coming.time_s - newest.time_s);
-            let line = |from: f64, to: f64| from + (to - from) * share;
-            [
-                line(newest.speed_mps, coming.speed_mps),
-                line(newest.lead_gap_m, coming.lead_gap_m),
-            ]
+            (time_s - newest.time_s) / (coming.time_s - newest.time_s)
         };
+        let between = |from: f64, to: f64| match share {
+            0.0 => from,
+            1.0 => to,
+            share => from + (to - from) * share,
+        };
+        let pairs = newest.told.iter().zip(&coming.told).zip(&self.holds);
+        let told = pairs.map(|((from, to), holds)| match holds {
+            true if share < 1.0 => *from,
+            _ => between(*from, *to),
+        });
         piece.out += 1;
         Some(Row {
             time_s,
-            speed_mps,
-            lead_gap_m,
+            speed_mps: between(newest.speed_mps, coming.speed_mps),
+            lead_gap_m: between(newest.lead_gap_m, coming.lead_gap_m),
+            told: told.collect(),
             starts_piece: piece.out == 1,
         })
     }

@@ -49,6 +49,33 @@ fn every_delimiter_and_decimal_mark_reads_alike() {
 }
 
 #[test]
+fn what_is_asked_for_is_told_and_nothing_else_is_read() {
+    let text = "t,v,speed_limit_kmh,pedal_pct,soc_pct\n0,1,36,10,?\n0.2,1,72,20,?\n0.3,1,,fast,?\n0.4,1,72,300,?\n";
+    let text = text.replace("pedal_pct", "accelerator_pedal_pct");
+    let mut remarks = Vec::new();
+    let mut reader = RowReader::new(Path::new("stdin"), text.as_bytes(), 0.1, 2.0)
+        .unwrap()
+        .telling(&[
+            Channel::AcceleratorPedal,
+            Channel::Brake,
+            Channel::SpeedLimit,
+        ]);
+    assert_eq!(
+        reader.told(),
+        [Channel::AcceleratorPedal, Channel::SpeedLimit]
+    );
+    let mut told = Vec::new();
+    while let Some(row) = reader.next_row(&mut |text| remarks.push(text)).unwrap() {
+        told.push(row.told);
+    }
+    assert_eq!(told[..3], [[10.0, 10.0], [15.0, 10.0], [20.0, 20.0]]);
+    assert!(told[3].iter().all(|value| value.is_nan()));
+    assert!(told[4][0].is_nan() && told[4][1].to_bits() == 20.0_f64.to_bits());
+    let missing = remarks.iter().filter(|r| r.contains("counted as missing"));
+    assert_eq!(missing.count(), 2, "{remarks:?}");
+}
+
+#[test]
 fn a_gap_starts_a_piece() {
     let (rows, remarks) = read("t,v\n0,1\n0.1,1\n0.2,1\n5,1\n5.1,1\n");
     let starts: Vec<bool> = rows.unwrap().iter().map(|row| row.starts_piece).collect();

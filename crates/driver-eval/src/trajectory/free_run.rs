@@ -1,5 +1,7 @@
 //! Whole trips from the road and the driver alone.
 
+use std::fmt::Write as _;
+
 use driver_model::Motion;
 use driver_model::road::{Road, RoadKnowledge};
 use driver_model::trip_driver::FreeRun;
@@ -10,6 +12,9 @@ use crate::Error;
 use crate::trip_driver::{FreeRunEvaluation, FreeRunSettings, evaluate_free_run};
 use crate::words::millimetres;
 
+/// Less of the time is not worth a word.
+const JOINED_PCT: f64 = 1.0;
+
 /// The evaluation with what the road may know, the less first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeRuns {
@@ -17,6 +22,25 @@ pub struct FreeRuns {
     pub expected: FreeRunEvaluation,
     /// Stops and slowdowns as they were on the trip: what a map could know at most.
     pub known: FreeRunEvaluation,
+}
+
+impl FreeRuns {
+    /// How their figures are to be read, a line each.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let mut words = String::from(
+            "Where neither limit nor stop explains a slowdown (turns, traffic), the first row puts slowdowns in as often as the driver makes them:\n\
+             right on average, not on a single trip. What an evenly driven plan costs less than the other trips did, the driver's unrest makes up for.\n",
+        );
+        if self.expected.joined_pct > JOINED_PCT {
+            let _ = writeln!(
+                words,
+                "In {:.0} % of the time the speed's reading was held until the next came; both are joined by straight lines, in what is learnt and in what is compared.",
+                self.expected.joined_pct,
+            );
+        }
+        words
+    }
 }
 
 /// The reason in place of figures where too few drives know their limits or are long enough: it is no reason to lose the rest.

@@ -8,6 +8,7 @@
     clippy::print_stderr
 )]
 
+mod begun;
 mod calibration;
 mod conditioned;
 mod cruise;

@@ -2,6 +2,7 @@
 
 mod input;
 mod score;
+mod trace;
 
 use drive_log::Channel;
 use ev_energy::{
@@ -13,6 +14,7 @@ use serde::Serialize;
 use crate::{Error, Motion, SlopeSource};
 pub use input::EnergyInput;
 pub use score::EnergyScore;
+pub use trace::trace_csv;
 
 /// Energy of a drive, model against measurement.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

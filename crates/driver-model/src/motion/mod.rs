@@ -131,7 +131,7 @@ impl Motion {
     /// Samples in this many seconds, at least one.
     #[must_use]
     pub fn samples_in(&self, seconds: f64) -> usize {
-        ((seconds / self.step_s()).round() as usize).max(1)
+        samples_in(seconds, self.step_s())
     }
 
     /// From first to last sample.
@@ -198,6 +198,11 @@ impl Motion {
             ..self
         }
     }
+}
+
+/// Steps in this many seconds, at least one.
+pub(crate) fn samples_in(seconds: f64, step_s: f64) -> usize {
+    ((seconds / step_s).round() as usize).max(1)
 }
 
 /// The pieces of each drive.

@@ -30,7 +30,7 @@ impl Default for HeuristicRules {
 }
 
 impl HeuristicRules {
-    fn label(&self, speed_mps: f64, accel_mps2: f64) -> PhaseKind {
+    pub(crate) fn label(&self, speed_mps: f64, accel_mps2: f64) -> PhaseKind {
         if at_least(accel_mps2, self.accel_threshold_mps2) {
             PhaseKind::Acceleration
         } else if at_least(-accel_mps2, self.accel_threshold_mps2) {

@@ -8,6 +8,7 @@ mod predictors;
 mod selection;
 mod trial;
 
+pub(crate) use direct::LEAST_PAST_S;
 pub use direct::{DirectModel, DirectSettings, HorizonScore, SpeedAhead, origins};
 pub use trial::{FittedTrial, Trial, TrialSettings};
 

@@ -186,6 +186,23 @@ impl Predictor {
         }
     }
 
+    /// What was before does not matter, but for the limit that is held from then and the filter of the slope.
+    pub(super) fn past_s(self) -> f64 {
+        match self {
+            Self::Speed | Self::Told { .. } | Self::Limit { .. } | Self::Slope { .. } => 0.0,
+            Self::Change { lag_s: past_s }
+            | Self::Deviation { window_s: past_s }
+            | Self::Mean { window_s: past_s }
+            | Self::Greatest { window_s: past_s }
+            | Self::Elapsed { cap_s: past_s }
+            | Self::Unchanged { cap_s: past_s }
+            | Self::ToldChange { lag_s: past_s, .. }
+            | Self::ToldMean {
+                window_s: past_s, ..
+            } => past_s,
+        }
+    }
+
     fn column(self, motion: &Motion, origins: &[usize]) -> Vec<f64> {
         let v = motion.speed_mps();
         let at = |of: &dyn Fn(usize) -> f64| origins.iter().map(|&i| of(i)).collect();

@@ -12,6 +12,8 @@ mod braking;
 mod closed_forms;
 mod energy;
 mod fitting;
+mod live;
+mod memory;
 mod model_file;
 mod pedal;
 mod phases;

@@ -115,6 +115,8 @@ pub(crate) fn trip_of(
         name: name.to_owned(),
         whole_phases: phases.clone(),
         phases,
+        short_phases: Vec::new(),
+        whole_short_phases: Vec::new(),
         segments: points.iter().map(segment).collect(),
         lead_influenced: driver_model::LeadInfluenced::default(),
         whole_lead_influenced: driver_model::LeadInfluenced::default(),

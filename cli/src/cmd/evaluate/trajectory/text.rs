@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use driver_eval::speed_ahead::{HorizonRow, TrajectoryEvaluation, TrialResult};
 use driver_eval::trajectory::{FreeRuns, Trajectories};
 use driver_eval::trip_driver::{FreeRunEvaluation, PercentErrors};
+use report::terminal::{Table, number};
 
 use crate::cmd::evaluate::text::Heading;
-use crate::render::table::{Table, number};
 use crate::words::plural;
 
 pub(super) fn render(heading: &Heading, trajectories: &Trajectories) -> String {
@@ -248,16 +248,5 @@ fn free_run(runs: &FreeRuns) -> String {
     row("limits, stops", &runs.expected);
     row("also where the driver slowed down", &runs.known);
     text.push_str(&table.render());
-    text.push_str(
-        "\nWhere neither limit nor stop explains a slowdown (turns, traffic), the first row puts slowdowns in as often as the driver makes them:\n\
-         right on average, not on a single trip. What an evenly driven plan costs less than the other trips did, the driver's unrest makes up for.\n",
-    );
-    if runs.expected.joined_pct > 1.0 {
-        let _ = writeln!(
-            text,
-            "In {:.0} % of the time the speed's reading was held until the next came; both are joined by straight lines, in what is learnt and in what is compared.",
-            runs.expected.joined_pct,
-        );
-    }
-    text
+    text + "\n" + &runs.in_words()
 }

@@ -17,7 +17,7 @@ use knowledge::{Horizon, Knowledge};
 pub use settings::DirectSettings;
 
 /// History that an origin must have behind it.
-pub(super) const LEAST_PAST_S: f64 = 5.0;
+pub(crate) const LEAST_PAST_S: f64 = 5.0;
 
 /// A fitted direct prediction.
 ///
@@ -170,6 +170,20 @@ impl DirectModel {
             .flat_map(|knowledge| &knowledge.horizons)
             .filter(unfinished)
             .map(|horizon| horizon.horizon_s)
+    }
+
+    /// How far back it looks: what was before does not matter.
+    #[must_use]
+    pub fn past_s(&self) -> f64 {
+        let predictors = self.knowledge().flat_map(|of| &of.predictors);
+        let past_s = predictors.map(|predictor| predictor.past_s());
+        past_s.fold(LEAST_PAST_S, f64::max)
+    }
+
+    /// Whether it predicts nothing without speed limits, for drives that have all [`channels`](Self::channels) or not.
+    #[must_use]
+    pub fn needs_limits(&self) -> bool {
+        self.knowledge().any(Knowledge::needs_limits)
     }
 
     /// Every moment with enough past, `step_s` apart.

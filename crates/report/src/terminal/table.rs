@@ -7,18 +7,22 @@ const DIM: &str = "\u{1b}[2m";
 const RESET: &str = "\u{1b}[0m";
 
 /// Columns of numbers are aligned right, others left.
-pub(crate) struct Table {
+#[derive(Debug)]
+pub struct Table {
     header: Vec<String>,
     rows: Vec<Row>,
 }
 
+#[derive(Debug)]
 enum Row {
     Cells(Vec<String>),
     Heading(String),
 }
 
 impl Table {
-    pub(crate) fn new<const N: usize>(header: [&str; N]) -> Self {
+    /// Without rows.
+    #[must_use]
+    pub fn new<const N: usize>(header: [&str; N]) -> Self {
         Self {
             header: header.map(str::to_owned).to_vec(),
             rows: Vec::new(),
@@ -26,7 +30,8 @@ impl Table {
     }
 
     /// As [`Self::new`], where the number of columns is only known at run time.
-    pub(crate) fn with_columns(header: Vec<String>) -> Self {
+    #[must_use]
+    pub fn with_columns(header: Vec<String>) -> Self {
         Self {
             header,
             rows: Vec::new(),
@@ -34,24 +39,29 @@ impl Table {
     }
 
     /// A row of a table [`Self::with_columns`].
-    pub(crate) fn add(&mut self, cells: Vec<String>) {
+    pub fn add(&mut self, cells: Vec<String>) {
         self.rows.push(Row::Cells(cells));
     }
 
-    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
+    /// A row with a cell per column.
+    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(Row::Cells(cells.into()));
     }
 
     /// A line of its own between rows.
-    pub(crate) fn heading(&mut self, text: &str) {
+    pub fn heading(&mut self, text: &str) {
         self.rows.push(Row::Heading(text.to_owned()));
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
+    /// Whether there is no row yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    pub(crate) fn render(&self) -> String {
+    /// Lines with the escape codes of a terminal: the header is bold.
+    #[must_use]
+    pub fn render(&self) -> String {
         let columns: Vec<Column> = (0..self.header.len())
             .map(|index| self.column(index))
             .collect();
@@ -102,7 +112,8 @@ fn line(cells: &[String], columns: &[Column]) -> String {
 }
 
 /// A number with some decimals, or `–` where it is not defined.
-pub(crate) fn number(value: impl Into<Option<f64>>, decimals: usize) -> String {
+#[must_use]
+pub fn number(value: impl Into<Option<f64>>, decimals: usize) -> String {
     match value.into() {
         Some(value) if value.is_finite() => {
             let text = format!("{value:.decimals$}");

@@ -1,14 +1,17 @@
-use std::fmt::Write as _;
-use std::path::Path;
+//! Every term of every step, as a table.
 
-use driver_model::Motion;
-use driver_model::energy::{EnergyStep, drive_energy};
+use std::fmt::Write as _;
+
 use ev_energy::Vehicle;
 
-use crate::output;
+use super::{EnergyStep, drive_energy};
+use crate::{Error, Motion};
 
-/// Writes every term of every step of a log as CSV.
-pub(super) fn write(path: &Path, motions: &[Motion], vehicle: &Vehicle) -> anyhow::Result<()> {
+/// Every term of every step of a drive as CSV, in SI units.
+///
+/// # Errors
+/// As [`drive_energy`].
+pub fn trace_csv(motions: &[Motion], vehicle: &Vehicle) -> Result<String, Error> {
     let mut text = String::from("time_s");
     for (name, _) in COLUMNS {
         let _ = write!(text, ",{name}");
@@ -26,7 +29,7 @@ pub(super) fn write(path: &Path, motions: &[Motion], vehicle: &Vehicle) -> anyho
             None => text.push_str(",\n"),
         }
     })?;
-    output::write_file(path, |out| Ok(out.write_all(text.as_bytes())?))
+    Ok(text)
 }
 
 type Column = (&'static str, fn(&EnergyStep) -> f64);

@@ -7,7 +7,7 @@ const MARKS: [char; 6] = ['●', '○', '◆', '◇', '■', '□'];
 
 /// Speed in m/s over time, each curve with its own mark; axes in km/h and s.
 #[must_use]
-pub(crate) fn speed_over_time(curves_mps: &[&[f64]], step_s: f64) -> String {
+pub fn speed_over_time(curves_mps: &[&[f64]], step_s: f64) -> String {
     let longest = curves_mps.iter().map(|c| c.len()).max().unwrap_or(0).max(2);
     let highest = curves_mps
         .iter()

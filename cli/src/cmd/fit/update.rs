@@ -1,0 +1,116 @@
+//! More drives for a model that was fitted before.
+
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use driver_model::{Manoeuvre, ModelFile, PointsOf};
+use serde_json::Value;
+
+use super::args::{FitArgs, Phase, Points};
+use crate::flags::Context;
+use crate::inputs::Inputs;
+use crate::output;
+use crate::words::listed;
+
+/// What there was before.
+pub(super) struct Before {
+    pub(super) file: ModelFile,
+}
+
+impl Before {
+    pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
+        let file = crate::cmd::model::read(path)?;
+        file.remembered()
+            .with_context(|| format!("--update `{}`", path.display()))?;
+        Ok(Self { file })
+    }
+
+    /// The flags with what the file says; one that says otherwise is refused.
+    pub(super) fn completed(&self, args: &FitArgs) -> anyhow::Result<FitArgs> {
+        let memory = self.file.remembered()?;
+        let mut completed = args.clone();
+        completed.model = Some(self.file.model.kind());
+        completed.extent = self.file.training.extent;
+        completed.phase = match memory.manoeuvre() {
+            Manoeuvre::Acceleration => Phase::Acceleration,
+            Manoeuvre::Braking => Phase::Braking,
+        };
+        completed.to = match memory.points_of() {
+            PointsOf::Means => Points::Means,
+            PointsOf::Samples => Points::Samples,
+        };
+        let (settings, phases) = (memory.settings(), &mut completed.phases);
+        let duration_s = settings.min_duration_s;
+        let gain_kmh = settings.min_gain_mps * 3.6;
+        let deadband_mps2 = settings.statistical.accel_deadband_mps2;
+        for (id, flag, found) in [
+            ("min_duration", &mut phases.min_duration, duration_s),
+            ("min_gain", &mut phases.min_gain, gain_kmh),
+            ("accel_deadband", &mut phases.accel_deadband, deadband_mps2),
+        ] {
+            let differs = (*flag - found).abs() > 1e-9;
+            if differs && args.given.iter().any(|given| given == id) {
+                let name = id.replace('_', "-");
+                bail!(
+                    "--{name} {flag}: the model learns from phases with --{name} {found}, as its file says; leave it out"
+                );
+            }
+            *flag = found;
+        }
+        self.same_reading(&serde_json::to_value(args)?)?;
+        Ok(completed)
+    }
+
+    /// Drives that are prepared otherwise do not belong to those of before.
+    fn same_reading(&self, new: &Value) -> anyhow::Result<()> {
+        for key in ["step", "smooth", "raw"] {
+            let (before, now) = (self.file.config.get(key), new.get(key));
+            if let (Some(before), Some(now)) = (before, now)
+                && before != now
+            {
+                let words = |value: &Value| match value {
+                    Value::Bool(true) => format!("with --{key}"),
+                    Value::Bool(false) => format!("without --{key}"),
+                    Value::String(text) => format!("with --{key} {text}"),
+                    other => format!("with --{key} {other}"),
+                };
+                bail!(
+                    "the model learnt from logs read {}, and these are read {}; read them alike",
+                    words(before),
+                    words(now)
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The logs that the model has not learnt yet.
+    pub(super) fn new_among(&self, inputs: Inputs, context: &Context) -> anyhow::Result<Inputs> {
+        let training = &self.file.training;
+        let (new, known) = inputs.parted(|sha256| training.has_learnt(sha256));
+        let names: Vec<&str> = known.iter().map(|input| input.path.as_str()).collect();
+        if new.is_empty() {
+            bail!(
+                "the model has learnt from all of these already: {}",
+                listed(&names)
+            );
+        }
+        if !names.is_empty() {
+            let names = listed(&names);
+            output::note(
+                context,
+                &format!("left out, the model has learnt from them already: {names}"),
+            );
+        }
+        if let Some(input) = new
+            .iter()
+            .find(|input| training.has_as_prior(&input.sha256))
+        {
+            bail!(
+                "{} is among the logs of other drivers that the model has learnt from; fit it anew",
+                input.label()
+            );
+        }
+        Ok(new)
+    }
+}
