@@ -315,7 +315,7 @@ static BOTH: LazyLock<Vec<ModelFile>> = LazyLock::new(|| {
 });
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(10))]
 
     /// Whatever comes, it ends without a panic, and what is predicted are numbers.
     #[test]
