@@ -34,6 +34,9 @@ pub(crate) fn check(args: &LogArgs, command: &str) -> anyhow::Result<()> {
     if !matches!(args.reading.layout.as_str(), "auto" | "canonical") {
         bail!("--follow reads canonical headers such as time_s,speed_kmh; leave --layout out");
     }
+    if args.reading.limit_map.is_some() {
+        bail!("--follow takes limits from the stream; leave --limit-map out");
+    }
     Ok(())
 }
 

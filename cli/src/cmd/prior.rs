@@ -19,7 +19,7 @@ pub(crate) struct PriorArgs {
     prior: Vec<PathBuf>,
     /// Weight of a phase of other drivers beside 1 for an own one; 0 is the own data alone, 1 treats all alike
     #[arg(long, default_value_t = DEFAULT_PRIOR_WEIGHT, value_parser = numbers::weight, value_name = "W")]
-    prior_weight: f64,
+    pub(super) prior_weight: f64,
 }
 
 impl PriorArgs {

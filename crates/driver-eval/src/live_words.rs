@@ -24,6 +24,7 @@ pub fn line(event: &Event) -> String {
             time_s,
             speed_mps,
             horizons,
+            ..
         } => {
             let mut line = start(*time_s, "ahead", *speed_mps);
             horizons.iter().for_each(|at| horizon(&mut line, at));

@@ -8,8 +8,18 @@ use driver_model::phase_model::{ConditionedProfile, StepResponse, TransitionPoin
 use driver_model::speed_ahead::DirectModel;
 use driver_model::trip_driver::TripDriver;
 use driver_model::{Behaviour, DriverChannel, DriverModel, ModelFile, PhaseModel, TrainingRecord};
+use serde_json::Value;
 
 use crate::words::{listed, plural};
+
+/// Where a model learnt from speeds that were smoothed otherwise than those of this configuration: what to make of its bands.
+#[must_use]
+pub fn reading_words(file: &ModelFile, config: &Value) -> Option<String> {
+    let [then, now] = file.read_otherwise(&["smooth", "raw"], config)?;
+    Some(format!(
+        "the model learnt from logs read {then}, and these are read {now}: its bands and intervals are not those of such speeds"
+    ))
+}
 
 /// What the parameters mean.
 #[must_use]
@@ -115,13 +125,17 @@ fn ahead_words(model: &DirectModel) -> String {
 
 fn trip_words(driver: &TripDriver) -> String {
     let (speeds_up, brakes) = (driver.acceleration(), driver.braking());
+    let unrest = match driver.unrest_mps2() {
+        unrest_mps2 if unrest_mps2 > 0.0 => format!(
+            "\nAround the planned speed it rises and falls by {unrest_mps2:.2} m/s² all the time, so that whole trips cost what they did."
+        ),
+        _ => String::new(),
+    };
     format!(
-        "Speeds up with at most {:.2} m/s² and slows down with at most {:.2} m/s²; from 50 km/h to a stop it brakes with {:.2} m/s².\n\
-         Around the planned speed it rises and falls by {:.2} m/s² all the time, so that whole trips cost what they did.",
+        "Speeds up with at most {:.2} m/s² and slows down with at most {:.2} m/s²; from 50 km/h to a stop it brakes with {:.2} m/s².{unrest}",
         speeds_up.max_mps2,
         brakes.max_mps2,
         brakes.mps2(50.0 / 3.6),
-        driver.unrest_mps2(),
     )
 }
 

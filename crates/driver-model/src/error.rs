@@ -118,8 +118,10 @@ pub enum Error {
         /// The model.
         model: ModelKind,
     },
-    /// Whole phases, for a model that is of none.
-    #[error("`{model}` does not learn from phases, whole or cut; only models of phases do")]
+    /// Whole phases, for a model that learns from none.
+    #[error(
+        "`{model}` does not learn from the course of phases, whole or cut; rise-time, transition-point and the profiles do"
+    )]
     NoPhases {
         /// The model.
         model: ModelKind,

@@ -101,7 +101,8 @@ pub fn fit_with(
     if prior.is_some() && kind.subject() != Subject::Phases {
         return Err(Error::NoPrior { model: kind });
     }
-    if settings.phases.extent == PhaseExtent::Whole && kind.subject() != Subject::Phases {
+    let learns_from_phases = kind.subject() == Subject::Phases && !kind.is_function_of_speed();
+    if settings.phases.extent == PhaseExtent::Whole && !learns_from_phases {
         return Err(Error::NoPhases { model: kind });
     }
     let trips = || find_behaviour(motions, &settings.phases, progress);

@@ -115,6 +115,21 @@ impl ModelFile {
         self.memory.as_ref().ok_or(Error::NoMemory { model })
     }
 
+    /// How the logs of a fit were read and how others are, by these keys of both configurations, where that differs; such as "with --smooth none".
+    #[must_use]
+    pub fn read_otherwise(&self, keys: &[&str], config: &Value) -> Option<[String; 2]> {
+        let words = |key: &str, value: &Value| match value {
+            Value::Bool(true) => format!("with --{key}"),
+            Value::Bool(false) => format!("without --{key}"),
+            Value::String(text) => format!("with --{key} {text}"),
+            other => format!("with --{key} {other}"),
+        };
+        keys.iter().find_map(|key| {
+            let (then, now) = (self.config.get(*key)?, config.get(*key)?);
+            (then != now).then(|| [words(key, then), words(key, now)])
+        })
+    }
+
     /// Parses and checks a model file.
     ///
     /// # Errors

@@ -39,6 +39,8 @@ impl Before {
             PointsOf::Means => Points::Means,
             PointsOf::Samples => Points::Samples,
         };
+        let weight = self.file.config.get("prior_weight").and_then(Value::as_f64);
+        completed.prior.prior_weight = weight.unwrap_or(args.prior.prior_weight);
         let (settings, phases) = (memory.settings(), &mut completed.phases);
         let duration_s = settings.min_duration_s;
         let gain_kmh = settings.min_gain_mps * 3.6;
@@ -57,31 +59,13 @@ impl Before {
             }
             *flag = found;
         }
-        self.same_reading(&serde_json::to_value(args)?)?;
-        Ok(completed)
-    }
-
-    /// Drives that are prepared otherwise do not belong to those of before.
-    fn same_reading(&self, new: &Value) -> anyhow::Result<()> {
-        for key in ["step", "smooth", "raw"] {
-            let (before, now) = (self.file.config.get(key), new.get(key));
-            if let (Some(before), Some(now)) = (before, now)
-                && before != now
-            {
-                let words = |value: &Value| match value {
-                    Value::Bool(true) => format!("with --{key}"),
-                    Value::Bool(false) => format!("without --{key}"),
-                    Value::String(text) => format!("with --{key} {text}"),
-                    other => format!("with --{key} {other}"),
-                };
-                bail!(
-                    "the model learnt from logs read {}, and these are read {}; read them alike",
-                    words(before),
-                    words(now)
-                );
-            }
+        let reading = ["step", "smooth", "raw"];
+        match (self.file).read_otherwise(&reading, &serde_json::to_value(args)?) {
+            None => Ok(completed),
+            Some([then, now]) => bail!(
+                "the model learnt from logs read {then}, and these are read {now}; read them alike"
+            ),
         }
-        Ok(())
     }
 
     /// The logs that the model has not learnt yet.

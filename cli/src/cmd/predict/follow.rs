@@ -17,6 +17,9 @@ pub(super) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
     listening::check(&args.logs, "predict")?;
     let files = args.model.iter().map(|path| crate::cmd::model::read(path));
     let files: Vec<ModelFile> = files.collect::<Result<_, _>>()?;
+    for file in &files {
+        super::mention_reading(file, args, context)?;
+    }
     let ahead = files.iter().find_map(|file| match &file.model {
         DriverModel::SpeedAhead(model) => Some(model),
         _ => None,

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use driver_eval::model_words::reading_words;
 use driver_eval::{Error, PredictionSettings, Predictions, predict};
-use driver_model::{DriverModel, LeftOut, PhaseExtent};
+use driver_model::{DriverModel, LeftOut, ModelFile, PhaseExtent};
 use serde::Serialize;
 
 use super::left_out;
@@ -80,6 +81,7 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         "../../figures/predict.txt"
     )))?;
     let file = super::model::read(model)?;
+    mention_reading(&file, args, context)?;
     let inputs = inputs::load(&args.logs, context)?;
     let is_ahead = matches!(file.model, DriverModel::SpeedAhead(_));
     if !args.horizon.is_empty() && !is_ahead {
@@ -120,6 +122,14 @@ pub(crate) fn run(args: &PredictArgs, context: &Context) -> anyhow::Result<Outco
         Format::Text => output::print_text(&tables::of(&document.body.logs))?,
     }
     Ok(inputs::outcome(&inputs).and(outcome))
+}
+
+/// Says so where a model learnt from speeds that were smoothed otherwise.
+fn mention_reading(file: &ModelFile, args: &PredictArgs, context: &Context) -> anyhow::Result<()> {
+    if let Some(words) = reading_words(file, &serde_json::to_value(args)?) {
+        output::note(context, &words);
+    }
+    Ok(())
 }
 
 impl PredictArgs {

@@ -7,12 +7,12 @@ use super::{LIMIT_MPS, Way};
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
 const MILE_PER_HOUR_MPS: f64 = 1609.344 / 3600.0;
 
-/// Names under which tools put the tags of a way: at the top, or together.
-const TAGS: &str = "tags";
+/// Where tools put the tags of a way that are not at the top.
+const TOGETHER: [&str; 2] = ["tags", "other_tags"];
 
 /// The ways, and how many limits were no number; or what is wrong with the text.
 pub(super) fn read(text: &str) -> Result<(Vec<Way>, usize), String> {
-    let features = match text.parse::<GeoJson>() {
+    let features = match text.trim_start_matches('\u{feff}').parse::<GeoJson>() {
         Ok(GeoJson::FeatureCollection(collection)) => collection.features,
         Ok(GeoJson::Feature(feature)) => vec![feature],
         Ok(GeoJson::Geometry(_)) => {
@@ -74,16 +74,19 @@ struct Tags<'a>(&'a Feature);
 impl Tags<'_> {
     fn text(&self, key: &str) -> Option<String> {
         let properties = self.0.properties.as_ref()?;
-        let nested = || {
-            properties
-                .get(TAGS)
-                .and_then(JsonValue::as_object)?
-                .get(key)
+        let together = || TOGETHER.iter().find_map(|of| properties.get(*of));
+        let value = match JsonObject::get(properties, key) {
+            Some(value) => value,
+            None => match together()? {
+                JsonValue::Object(tags) => tags.get(key)?,
+                JsonValue::String(tags) => return of_hstore(tags, key),
+                _ => return None,
+            },
         };
-        match JsonObject::get(properties, key).or_else(nested)? {
+        match value {
             JsonValue::String(text) => Some(text.trim().to_owned()),
-            JsonValue::Number(number) => Some(number.to_string()),
-            _ => None,
+            JsonValue::Null => None,
+            other => Some(other.to_string()),
         }
     }
 
@@ -93,6 +96,12 @@ impl Tags<'_> {
         *not_understood += usize::from(limit_mps.is_none());
         limit_mps
     }
+}
+
+/// The value of a key in `"maxspeed"=>"50","oneway"=>"yes"`, as GDAL writes what it has no field for.
+fn of_hstore(tags: &str, key: &str) -> Option<String> {
+    let (_, after) = tags.split_once(&format!("\"{key}\"=>\""))?;
+    Some(after.split('"').next()?.trim().to_owned())
 }
 
 /// Kilometres per hour, unless a unit follows.
@@ -114,6 +123,17 @@ fn limit_mps(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tags_are_found_where_gdal_puts_them() {
+        let tags = r#""oneway"=>"yes","maxspeed"=>"30 mph""#;
+        assert_eq!(of_hstore(tags, "maxspeed").as_deref(), Some("30 mph"));
+        assert_eq!(of_hstore(tags, "speed"), None);
+        assert_eq!(
+            of_hstore("\"maxspeed\"=>\"", "maxspeed").as_deref(),
+            Some("")
+        );
+    }
 
     #[test]
     fn limits_have_units_and_words_are_none() {

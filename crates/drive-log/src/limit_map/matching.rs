@@ -1,6 +1,8 @@
 //! The way under each position: the likeliest sequence of ways (after P. Newson and J. Krumm, Hidden Markov map matching through noise and
 //! sparseness, 2009), told apart by distance and direction and by whether they meet.
 
+use std::collections::BTreeMap;
+
 use rstar::PointDistance as _;
 
 use super::{LIMIT_MPS, LimitMap, LimitMatch};
@@ -20,6 +22,10 @@ const ACROSS: f64 = 8.0;
 const JUMP: f64 = 8.0;
 const TURN: f64 = 1.0;
 const NO_WAY: f64 = 10.0;
+
+/// No crossing has more pieces near a position, and no more of what it may be on need to be told apart.
+const MOST_PIECES: usize = 2000;
+const MOST_STATES: usize = 40;
 
 /// Limits that differ by less are the same: 1 km/h.
 const SAME_MPS: f64 = 1.0 / 3.6;
@@ -137,18 +143,13 @@ impl LimitMap {
         on
     }
 
-    /// What a position driven in this direction may be on, with what that alone costs.
+    /// What a position driven in this direction may be on, with what that alone costs: the cheapest, where there are many.
     fn candidates(&self, here_m: [f64; 2], along: Option<[f64; 2]>) -> Vec<State> {
-        let no_way = State {
-            on: None,
-            cost: NO_WAY,
-            before: 0,
-        };
-        let mut states = vec![no_way];
-        for piece in self
+        let mut costs: BTreeMap<(usize, bool), f64> = BTreeMap::new();
+        let near = self
             .pieces
-            .locate_within_distance(here_m, REACH_M * REACH_M)
-        {
+            .locate_within_distance(here_m, REACH_M * REACH_M);
+        for piece in near.take(MOST_PIECES) {
             let way = piece.data;
             let line = direction(piece.geom().from, piece.geom().to);
             let off = piece.geom().distance_2(&here_m) / (2.0 * DEVIATION_M * DEVIATION_M);
@@ -160,13 +161,22 @@ impl LimitMap {
                     let cosine = line[0] * along[0] + line[1] * along[1];
                     if against { -cosine } else { cosine }
                 });
-                let (on, cost) = (Some((way, against)), off + ACROSS * (1.0 - cosine));
-                match states.iter_mut().find(|state| state.on == on) {
-                    Some(state) => state.cost = state.cost.min(cost),
-                    None => states.push(State { on, cost, ..no_way }),
-                }
+                let cost = off + ACROSS * (1.0 - cosine);
+                let least = costs.entry((way, against)).or_insert(cost);
+                *least = least.min(cost);
             }
         }
+        let ways = costs.into_iter().map(|(on, cost)| (Some(on), cost));
+        let mut states: Vec<State> = std::iter::once((None, NO_WAY))
+            .chain(ways)
+            .map(|(on, cost)| State {
+                on,
+                cost,
+                before: 0,
+            })
+            .collect();
+        states.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        states.truncate(MOST_STATES);
         states
     }
 

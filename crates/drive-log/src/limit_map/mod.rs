@@ -82,7 +82,7 @@ pub struct LimitMapUse {
     pub sha256: String,
     /// Lines.
     pub ways: usize,
-    /// Limits whose value is no number with a unit.
+    /// Limits whose value is no number with a unit, or none that a road has.
     pub not_understood: usize,
     /// How much of the drives it knows.
     #[serde(flatten)]
@@ -127,6 +127,16 @@ impl fmt::Display for LimitMapUse {
             of_time(known.off_map_s),
             of_time(known.no_position_s),
         )?;
+        if known.with_limit_s <= 0.0 {
+            let why = if known.no_position_s >= known.duration_s() {
+                "logs need latitude_deg and longitude_deg"
+            } else if known.without_limit_s > 0.0 {
+                "the lines under the drives have no `maxspeed`"
+            } else {
+                "the map is of another place, or has latitude before longitude"
+            };
+            write!(f, "; it gave nothing: {why}")?;
+        }
         if known.compared_s > 0.0 {
             let agreeing = pct(known.agreeing_s, known.compared_s);
             write!(
@@ -137,7 +147,7 @@ impl fmt::Display for LimitMapUse {
         if self.not_understood > 0 {
             write!(
                 f,
-                "; {} values of maxspeed are no number and were not used",
+                "; limits that are no speed of a road and were not used: {}",
                 self.not_understood
             )?;
         }

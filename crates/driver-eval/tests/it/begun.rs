@@ -78,6 +78,7 @@ fn a_new_driver_is_judged_on_trips_that_were_kept_back() {
 fn lines_say_what_is_predicted() {
     let ahead = Event::Ahead {
         time_s: 12.0,
+        known_s: 12.2,
         speed_mps: 10.0,
         horizons: vec![Horizon {
             horizon_s: 5.0,

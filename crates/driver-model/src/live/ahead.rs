@@ -68,7 +68,9 @@ impl Ahead {
 
     pub(super) fn now(&mut self, buffer: &Buffer) -> Result<Vec<Event>, Error> {
         let step_s = buffer.step_s();
-        let since = (buffer.len() - 1).checked_sub(samples_in(LEAST_PAST_S, step_s));
+        // The latest sample whose smoothed speed no later one changes, as those that the model has learnt from.
+        let unsmoothed = buffer.unsmoothed();
+        let since = (buffer.len() - 1).checked_sub(samples_in(LEAST_PAST_S, step_s) + unsmoothed);
         if !since.is_some_and(|since| since.is_multiple_of(samples_in(EVERY_S, step_s))) {
             return Ok(Vec::new());
         }
@@ -95,7 +97,7 @@ impl Ahead {
             };
             say_once(&mut self.said_fallback, text);
         }
-        let last = motion.len() - 1;
+        let last = motion.len() - 1 - unsmoothed;
         let ahead = match self.model.predict(&motion, &[last]) {
             Err(Error::NoLimits { .. }) => {
                 let text = "the model knows speed limits, which the stream has for less than half of the time; nothing is predicted meanwhile";
@@ -117,7 +119,8 @@ impl Ahead {
                 .collect()
         };
         events.extend(ahead.first().map(|ahead| Event::Ahead {
-            time_s: buffer.now_s(),
+            time_s: buffer.time_s(buffer.len() - 1 - unsmoothed),
+            known_s: buffer.now_s(),
             speed_mps: motion.speed_mps()[last],
             horizons: horizons(ahead),
         }));

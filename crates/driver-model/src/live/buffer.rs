@@ -104,6 +104,14 @@ impl Buffer {
         self.settings.step_s
     }
 
+    /// Latest samples whose smoothed speed the next ones will change.
+    pub(super) fn unsmoothed(&self) -> usize {
+        match self.settings.smoothing {
+            Smoothing::None => 0,
+            Smoothing::Hann(length) => length / 2,
+        }
+    }
+
     /// Samples of the piece so far.
     pub(super) fn len(&self) -> usize {
         self.gone + self.speed_mps.len()

@@ -37,9 +37,11 @@ pub struct LiveSettings {
 pub enum Event {
     /// The speed of the next seconds, once a second.
     Ahead {
-        /// Now.
+        /// The moment from which it is predicted.
         time_s: f64,
-        /// Speed now, smoothed as far as the past allows.
+        /// When that was known: as many samples later as smoothing looks ahead.
+        known_s: f64,
+        /// Speed at that moment.
         speed_mps: f64,
         /// By rising horizon.
         horizons: Vec<Horizon>,

@@ -114,7 +114,7 @@ fn phases(manoeuvre: Manoeuvre, extent: PhaseExtent) -> ModelFile {
 }
 
 #[test]
-fn the_speed_ahead_is_that_of_the_drive_cut_now() {
+fn the_speed_ahead_is_that_of_the_drive_so_far() {
     let file = without_record(DriverModel::SpeedAhead(AHEAD.clone()));
     assert!(AHEAD.needs_limits() && !AHEAD.channels().is_empty());
     assert!(AHEAD.past_s() >= 600.0);
@@ -124,24 +124,28 @@ fn the_speed_ahead_is_that_of_the_drive_cut_now() {
         .iter()
         .filter(|e| matches!(e, Event::Ahead { .. }))
         .collect();
-    assert_eq!(ahead.len(), (rows.len() - 51) / 10 + 1);
+    assert_eq!(ahead.len(), (rows.len() - 53) / 10 + 1);
     let mut other_bounds = 0;
     for (number, event) in ahead.iter().enumerate().step_by(37) {
         let Event::Ahead {
             time_s,
+            known_s,
             speed_mps,
             horizons,
         } = event
         else {
             continue;
         };
-        let known = 51 + 10 * number;
-        let motion = motion(&rows[..known]);
-        let expected = AHEAD.predict(&motion, &[known - 1]).unwrap().remove(0);
-        assert!((time_s - 0.1 * (known - 1) as f64).abs() < 1e-9);
-        assert!((speed_mps - motion.speed_mps()[known - 1]).abs() < 1e-9);
+        let origin = 50 + 10 * number;
+        // Smoothing looks two samples ahead.
+        let motion = motion(&rows[..origin + 3]);
+        let expected = AHEAD.predict(&motion, &[origin]).unwrap().remove(0);
+        assert!((time_s - 0.1 * origin as f64).abs() < 1e-9);
+        assert!((known_s - time_s - 0.2).abs() < 1e-9);
+        assert!((speed_mps - motion.speed_mps()[origin]).abs() < 1e-9);
         for (k, found) in horizons.iter().enumerate() {
-            let same = |found: f64, expected: f64| (found - expected).abs() < 1e-9;
+            // The deviation over a window is the root of a difference of sums: a digit of them is 1e-7 m/s where the car stands.
+            let same = |found: f64, expected: f64| (found - expected).abs() < 1e-6;
             assert!(same(found.speed_mps, expected.speed_mps[k]), "{time_s} s");
             let (low_mps, high_mps) = expected.interval_mps[k].unwrap();
             let bounds = [(found.low_mps, low_mps), (found.high_mps, high_mps)];
@@ -151,8 +155,9 @@ fn the_speed_ahead_is_that_of_the_drive_cut_now() {
             other_bounds += apart.count();
         }
     }
-    // Bounds are by trees, and sums over a window differ in the last digit, which decides where a predictor is on a threshold.
-    assert!(other_bounds <= 2, "{other_bounds}");
+    // Bounds are by trees, and sums over a window differ in the last digit, which decides where a predictor is on a threshold: at one moment, for
+    // both ends of two horizons.
+    assert!(other_bounds <= 4, "{other_bounds}");
     let remarks = events.iter().filter(|e| matches!(e, Event::Remark { .. }));
     assert_eq!(remarks.count(), 1);
 }

@@ -141,7 +141,11 @@ fn every_model_of_phases_learns_in_steps_what_it_learns_at_once() {
                     let parts = [&own[..1], &own[1..2], &own[2..]];
                     let stepwise = in_steps(kind, &parts, prior, &settings);
                     let at_once = fit_with(kind, own, prior, &settings, &|| {});
-                    assert!(stepwise.is_ok() || prior.is_none(), "{kind} {stepwise:?}");
+                    let is_refused = extent == PhaseExtent::Whole && kind.is_function_of_speed();
+                    assert!(
+                        stepwise.is_ok() || prior.is_none() || is_refused,
+                        "{kind} {stepwise:?}"
+                    );
                     assert_same(stepwise, at_once);
                 }
             }

@@ -139,12 +139,14 @@ impl BegunPhases {
         let mut curves = Curves::of(self, beginning);
         let seconds = (1..=SECONDS).map_while(|second| {
             let (low_mps, median_mps, high_mps) = curves.spread_mps(&sorted, second)?;
-            let stretch = self.stretch[second - 1];
+            let stretched =
+                |width_mps: f64| self.stretch[second - 1] * width_mps.max(LEAST_WIDTH_MPS);
+            let expected_mps = now_mps + median_mps;
             Some(Second {
                 after_s: second as f64,
-                speed_mps: (now_mps + median_mps).max(0.0),
-                low_mps: (now_mps + median_mps - stretch * (median_mps - low_mps)).max(0.0),
-                high_mps: (now_mps + median_mps + stretch * (high_mps - median_mps)).max(0.0),
+                speed_mps: expected_mps.max(0.0),
+                low_mps: (expected_mps - stretched(median_mps - low_mps)).max(0.0),
+                high_mps: (expected_mps + stretched(high_mps - median_mps)).max(0.0),
                 going_on_pct: share(&|case| case.lasts(second)),
             })
         });
@@ -247,8 +249,8 @@ impl BegunPhases {
     }
 }
 
-/// A narrower band cannot be stretched.
-const LEAST_WIDTH_MPS: f64 = 0.01;
+/// What is stretched is at least this wide to either side: models that are not told where a phase ends say the same for all that are similar.
+const LEAST_WIDTH_MPS: f64 = 0.1;
 
 const LEAST_STRETCH: f64 = 0.2;
-const MOST_STRETCH: f64 = 20.0;
+const MOST_STRETCH: f64 = 100.0;
