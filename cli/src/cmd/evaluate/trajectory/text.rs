@@ -138,7 +138,9 @@ fn intervals(evaluation: &TrajectoryEvaluation) -> String {
 }
 
 fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
-    let mut text = String::from("\nBest model against best baseline\n\n");
+    if evaluation.verdicts.is_empty() {
+        return String::new();
+    }
     let mut table = Table::new([
         "ahead",
         "model",
@@ -162,8 +164,7 @@ fn verdicts(evaluation: &TrajectoryEvaluation) -> String {
             verdict.verdict.name().to_owned(),
         ]);
     }
-    text.push_str(&table.render());
-    text
+    format!("\nBest model against best baseline\n\n{}", table.render())
 }
 
 fn trials(heading: &Heading, evaluation: &TrajectoryEvaluation) -> String {
