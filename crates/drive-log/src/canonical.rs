@@ -90,10 +90,12 @@ fn meaning(header: &str) -> Meaning {
         .max_by_key(|(channel, _)| channel.key().len());
     match longest {
         None => Meaning::Other,
-        Some((channel, suffix)) => Unit::parse(channel.quantity(), &suffix)
-            .map_or(Meaning::UnknownUnit(Some(channel)), |unit| {
-                Meaning::Channel(channel, unit)
-            }),
+        Some((channel, suffix)) => match Unit::parse(channel.quantity(), &suffix) {
+            Some(unit) => Meaning::Channel(channel, unit),
+            // Receivers name theirs `latitude_gps` and `longitude_e7`, and most readers need none.
+            None if channel.quantity() == Quantity::Position => Meaning::Other,
+            None => Meaning::UnknownUnit(Some(channel)),
+        },
     }
 }
 

@@ -86,6 +86,13 @@ fn every_canonical_channel_and_unit() {
 }
 
 #[test]
+fn positions_in_other_units_are_no_channel() {
+    let log = log("time_s,speed_mps,latitude_gps,longitude_e7\n0,1,52,13\n");
+    assert_eq!(log.channel(Channel::Latitude), None);
+    assert_eq!(log.channel(Channel::Longitude), None);
+}
+
+#[test]
 fn words_for_missing() {
     for word in [
         "", "NaN", "nan", "NA", "N/A", "null", "-", "inf", "-Inf", "Infinity", "1e999",

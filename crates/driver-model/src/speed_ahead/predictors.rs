@@ -213,14 +213,12 @@ impl Predictor {
                 at(&|i| v[i] - v[i.saturating_sub(lag)])
             }
             Self::Deviation { window_s } => {
-                let moments = Moments::of(v);
                 let window = motion.samples_in(window_s);
-                at(&|i| moments.deviation(i.saturating_sub(window), i))
+                at(&|i| deviation(&v[i.saturating_sub(window)..=i]))
             }
             Self::Mean { window_s } => {
-                let moments = Moments::of(v);
                 let window = motion.samples_in(window_s);
-                at(&|i| moments.mean(i.saturating_sub(window), i))
+                at(&|i| mean(&v[i.saturating_sub(window)..=i]))
             }
             Self::Greatest { window_s } => {
                 let greatest = running_maximum(v, motion.samples_in(window_s));
@@ -243,15 +241,10 @@ impl Predictor {
                 None => vec![0.0; origins.len()],
             },
             Self::Slope { seconds } => match motion.slope_rad() {
-                Some(slope) => {
-                    let moments = Moments::of(slope);
-                    at(&|i| {
-                        moments.mean(
-                            i,
-                            ahead(motion, i, (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M)),
-                        )
-                    })
-                }
+                Some(slope) => at(&|i| {
+                    let distance_m = (v[i] * seconds).max(LEAST_SLOPE_DISTANCE_M);
+                    mean(&slope[i..=ahead(motion, i, distance_m)])
+                }),
                 None => vec![0.0; origins.len()],
             },
             Self::Told { channel } => {
@@ -263,9 +256,8 @@ impl Predictor {
                 at(&|i| values[i] - values[i.saturating_sub(lag)])
             }
             Self::ToldMean { channel, window_s } => {
-                let moments = Moments::of(&channel.values(motion));
-                let window = motion.samples_in(window_s);
-                at(&|i| moments.mean(i.saturating_sub(window), i))
+                let (values, window) = (channel.values(motion), motion.samples_in(window_s));
+                at(&|i| mean(&values[i.saturating_sub(window)..=i]))
             }
         }
     }
@@ -278,43 +270,16 @@ fn ahead(motion: &Motion, from: usize, distance_m: f64) -> usize {
     (from + behind).min(motion.len() - 1)
 }
 
-/// Sums that give mean and deviation of any window.
-struct Moments {
-    sums: Vec<f64>,
-    squares: Vec<f64>,
-    origin: f64,
+// Window by window, and not by sums over the drive: a stream, which has only the end of it, must come to the same.
+
+fn mean(window: &[f64]) -> f64 {
+    window.iter().sum::<f64>() / window.len() as f64
 }
 
-impl Moments {
-    fn of(values: &[f64]) -> Self {
-        // Counted from the mean, so that squares do not cancel.
-        let origin = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let (mut sum, mut square) = (0.0, 0.0);
-        let (mut sums, mut squares) = (vec![0.0], vec![0.0]);
-        for value in values {
-            sum += value - origin;
-            square += (value - origin) * (value - origin);
-            sums.push(sum);
-            squares.push(square);
-        }
-        Self {
-            sums,
-            squares,
-            origin,
-        }
-    }
-
-    /// Both ends included.
-    fn mean(&self, from: usize, to: usize) -> f64 {
-        self.origin + (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
-    }
-
-    fn deviation(&self, from: usize, to: usize) -> f64 {
-        let n = (to + 1 - from) as f64;
-        let mean = (self.sums[to + 1] - self.sums[from]) / n;
-        let square = (self.squares[to + 1] - self.squares[from]) / n;
-        (square - mean * mean).max(0.0).sqrt()
-    }
+fn deviation(window: &[f64]) -> f64 {
+    let mean = mean(window);
+    let square = |value: &f64| (value - mean) * (value - mean);
+    (window.iter().map(square).sum::<f64>() / window.len() as f64).sqrt()
 }
 
 /// Greatest value of each window of `window` samples back and the sample itself.
