@@ -1,7 +1,7 @@
 //! From paths, folders, globs and stdin to prepared drives.
 
 pub(crate) mod files;
-mod notes;
+pub(crate) mod notes;
 
 use anyhow::{anyhow, bail};
 use drive_log::collection::Reading;

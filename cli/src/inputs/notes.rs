@@ -29,7 +29,7 @@ pub(super) fn beside(beside: &Beside, context: &Context) {
 }
 
 /// A line for each of the first, and how many more there are.
-pub(super) fn twice(drives: &[Repeated], context: &Context) {
+pub(crate) fn twice(drives: &[Repeated], context: &Context) {
     for drive in drives.iter().take(NAMED) {
         output::note(context, &drive.to_string());
     }

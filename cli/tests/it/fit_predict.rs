@@ -304,7 +304,7 @@ fn drives_are_added_to_a_model_as_if_they_had_been_there() {
     update(&["--step", "0.2"]).refused(&["--step 0.1", "read them alike"]);
     let run = update(&["--min-gain", "8"]).ok();
     assert!(
-        run.stderr.contains("has learnt from them already"),
+        run.stderr.contains("has learnt from it already"),
         "{}",
         run.stderr
     );
@@ -321,6 +321,11 @@ fn drives_are_added_to_a_model_as_if_they_had_been_there() {
         assert_eq!(once["config"][key], updated["config"][key], "{key}");
     }
     update(&[]).refused(&["has learnt from all of these already"]);
+    let newer = fixture("drives/drive-11.csv");
+    let later = folder.path().join("later.json").display().to_string();
+    let more = ["fit", &newer, &known, "--update", &steps, "-o", &later];
+    let document = drivekit(&[&more[..], &["--format", "json"]].concat()).ok();
+    assert_eq!(document.json()["files"]["twice"][0]["why"], "learnt");
     drivekit(&["fit", &prior, "--update", &steps, "-o", &steps])
         .refused(&["other drivers", "fit it anew"]);
 

@@ -8,13 +8,12 @@ use serde_json::Value;
 
 use super::args::{FitArgs, Phase, Points};
 use crate::flags::Context;
-use crate::inputs::Inputs;
-use crate::output;
-use crate::words::listed;
+use crate::inputs::{Inputs, notes};
 
 /// What there was before.
 pub(super) struct Before {
     pub(super) file: ModelFile,
+    name: String,
 }
 
 impl Before {
@@ -22,7 +21,8 @@ impl Before {
         let file = crate::cmd::model::read(path)?;
         file.remembered()
             .with_context(|| format!("--update `{}`", path.display()))?;
-        Ok(Self { file })
+        let name = path.display().to_string();
+        Ok(Self { file, name })
     }
 
     /// The flags with what the file says; one that says otherwise is refused.
@@ -71,20 +71,11 @@ impl Before {
     /// The logs that the model has not learnt yet.
     pub(super) fn new_among(&self, inputs: Inputs, context: &Context) -> anyhow::Result<Inputs> {
         let training = &self.file.training;
-        let (new, known) = inputs.parted(|sha256| training.has_learnt(sha256));
-        let names: Vec<&str> = known.iter().map(|input| input.path.as_str()).collect();
+        let before = inputs.beside().twice.len();
+        let new = inputs.without_learnt(&self.name, |sha256| training.has_learnt(sha256));
+        notes::twice(&new.beside().twice[before..], context);
         if new.is_empty() {
-            bail!(
-                "the model has learnt from all of these already: {}",
-                listed(&names)
-            );
-        }
-        if !names.is_empty() {
-            let names = listed(&names);
-            output::note(
-                context,
-                &format!("left out, the model has learnt from them already: {names}"),
-            );
+            bail!("the model has learnt from all of these already");
         }
         if let Some(input) = new
             .iter()

@@ -40,15 +40,15 @@ impl Collection {
         self.without_those(twice)
     }
 
-    /// Parts the drives of files with these SHA-256 from the others; they come second.
+    /// Leaves out the drives of files that `model`, by its name, has learnt from already, told by their SHA-256, and lists them in
+    /// [`Beside::twice`](super::Beside).
     #[must_use]
-    pub fn parted(mut self, is_known: impl Fn(&str) -> bool) -> (Self, Vec<SourcedDrive>) {
-        let (known, new) = self
-            .drives
-            .into_iter()
-            .partition(|drive| is_known(&drive.sha256));
-        self.drives = new;
-        (self, known)
+    pub fn without_learnt(self, model: &str, is_known: impl Fn(&str) -> bool) -> Self {
+        let learnt = self
+            .iter()
+            .map(|drive| is_known(&drive.sha256).then(|| Repeated::learnt(drive, model)));
+        let learnt = learnt.collect();
+        self.without_those(learnt)
     }
 
     fn without_those(mut self, twice: Vec<Option<Repeated>>) -> Self {

@@ -30,6 +30,8 @@ pub enum SameBy {
     SameSpeed,
     /// Of a longer drive.
     PartOf,
+    /// A model has learnt from it already.
+    Learnt,
 }
 
 impl fmt::Display for Repeated {
@@ -43,6 +45,10 @@ impl fmt::Display for Repeated {
                 f,
                 "`{path}` is the same drive as `{other}`, second by second, counted once"
             ),
+            SameBy::Learnt => write!(
+                f,
+                "`{path}` is left out, `{other}` has learnt from it already"
+            ),
             SameBy::PartOf => write!(f, "`{path}` is a part of the drive `{other}`, counted once"),
         }
     }
@@ -55,6 +61,15 @@ impl Repeated {
             name: None,
             same_as,
             why: SameBy::SameFile,
+        }
+    }
+
+    pub(super) fn learnt(input: &SourcedDrive, model: &str) -> Self {
+        Self {
+            path: input.place(),
+            name: Some(input.drive.name.clone()),
+            same_as: model.to_owned(),
+            why: SameBy::Learnt,
         }
     }
 
