@@ -169,6 +169,10 @@ impl Battery {
 }
 
 impl Cells {
+    pub(crate) fn voltage_v(&self) -> f64 {
+        self.voltage_v
+    }
+
     #[inline(always)]
     fn new(voltage_v: f64, per_four_ohm: f64) -> Self {
         Self {

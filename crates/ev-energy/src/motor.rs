@@ -102,13 +102,19 @@ enum Loss {
 
 /// The formula without what the road load contains.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct LossFormula {
-    copper_w_per_nm2: f64,
-    iron_w_per_rad_s: f64,
-    windage_w_per_rad3_s3: f64,
-    constant_w: f64,
-    weakening_w: f64,
-    weakening_from_rad_s: f64,
+pub(crate) struct LossFormula {
+    pub(crate) copper_w_per_nm2: f64,
+    pub(crate) iron_w_per_rad_s: f64,
+    pub(crate) windage_w_per_rad3_s3: f64,
+    pub(crate) constant_w: f64,
+    pub(crate) weakening_w: f64,
+    pub(crate) weakening_from_rad_s: f64,
+}
+
+/// Largest regeneration without its fade: the smaller of what torque and deceleration allow, and the smaller of what powers allow.
+pub(crate) struct RegenerationBounds {
+    pub(crate) torque_nm: f64,
+    pub(crate) power_w: f64,
 }
 
 impl Loss {
@@ -289,6 +295,22 @@ impl Motor {
         let by_power = smaller(self.regen_max_power_w, cells_w) * (1.0 / motor_speed_rad_s.abs());
         let limit = smaller(smaller(by_power, by_torque), self.regen_decel_torque_nm);
         larger(smaller(fade, 1.0), 0.0) * limit
+    }
+
+    pub(crate) fn regeneration_bounds(&self) -> RegenerationBounds {
+        let share = self.regen_torque_fraction;
+        RegenerationBounds {
+            torque_nm: smaller(share * self.max_torque_nm, self.regen_decel_torque_nm),
+            power_w: smaller(share * self.max_power_w, self.regen_max_power_w),
+        }
+    }
+
+    /// The losses, where a formula gives them.
+    pub(crate) fn loss_formula(&self) -> Option<LossFormula> {
+        match &self.loss {
+            Loss::Formula(formula) => Some(*formula),
+            Loss::Table(_) => None,
+        }
     }
 
     /// Loss of motor and inverter in W at a torque in N m and a motor speed in rad/s, see

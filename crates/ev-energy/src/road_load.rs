@@ -36,9 +36,9 @@ const COAST_DOWN_AIR_DENSITY_KG_PER_M3: f64 = 1.1671;
 /// Checked road load, `A cos θ + B v + C v²` in either form.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RoadLoad {
-    constant_n: f64,
-    linear_n_per_mps: f64,
-    quadratic_n_per_mps2: f64,
+    pub(crate) constant_n: f64,
+    pub(crate) linear_n_per_mps: f64,
+    pub(crate) quadratic_n_per_mps2: f64,
     /// Density of the air for which the quadratic term holds.
     air_density_kg_per_m3: f64,
 }

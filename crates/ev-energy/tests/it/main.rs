@@ -13,5 +13,6 @@ mod limits;
 #[path = "../../../../fixtures/shared.rs"]
 mod shared;
 mod slope;
+mod steps;
 mod vectors;
 mod vehicles;
