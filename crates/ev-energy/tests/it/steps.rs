@@ -64,7 +64,7 @@ proptest! {
         let step = RoadStep::new(length_m, slope);
         let at = |x: f64, y: f64| formula.step(&step, x, y, ROUND);
         let here = at(from, to);
-        for (k, (dx, dy)) in [(1e-4 * from, 0.0), (0.0, 1e-4 * to)].into_iter().enumerate() {
+        for (k, (dx, dy)) in [(1e-5 * from, 0.0), (0.0, 1e-5 * to)].into_iter().enumerate() {
             let (more, less) = (at(from + dx, to + dy), at(from - dx, to - dy));
             let span = 2.0 * (dx + dy);
             let close = |difference: f64, derivative: f64, scale: f64| {
