@@ -1,0 +1,48 @@
+/// What came of a problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacle {
+    /// Even the fastest plan arrives later.
+    TooLate {
+        /// When the fastest plan arrives, s.
+        earliest_arrival_s: f64,
+    },
+    /// A signal is red whenever it can be reached.
+    SignalsUnreachable {
+        /// Node of the signal.
+        node: usize,
+        /// Earliest passage, s.
+        earliest_s: f64,
+        /// Latest passage, s; infinite where the car could wait for ever.
+        latest_s: f64,
+    },
+    /// The leader holds the car up for too long.
+    LeaderBlocks {
+        /// Earliest arrival behind the leader, s.
+        earliest_arrival_s: f64,
+    },
+    /// The road ahead ends or slows down before the allowed deceleration does its work.
+    CannotStop {
+        /// Where the speed has to be lower, m.
+        position_m: f64,
+        /// Deceleration that it would take in the last step, m/s², below 0.
+        needed_mps2: f64,
+        /// Deceleration that is allowed, m/s², below 0.
+        allowed_mps2: f64,
+    },
+    /// The lowest speed is out of reach of the allowed acceleration.
+    CannotAccelerate {
+        /// From where, m.
+        position_m: f64,
+        /// Acceleration that it would take, m/s².
+        needed_mps2: f64,
+        /// Acceleration that is allowed, m/s².
+        allowed_mps2: f64,
+    },
+    /// Motor or battery cannot hold the lowest speed.
+    TooSteep {
+        /// Where, m.
+        position_m: f64,
+        /// Slope angle there, rad.
+        slope_rad: f64,
+    },
+}

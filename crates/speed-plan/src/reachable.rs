@@ -1,0 +1,178 @@
+use crate::outcome::Obstacle;
+use crate::problem::{Problem, mean_speed};
+
+/// Down to the square of 0.5 m/s a lowest speed gives way where the car cannot be that fast yet.
+const CRAWL_Z: f64 = 0.25 * (1.0 - 1e-9);
+
+/// Squared speeds in m²/s² that a plan can have at every node: some plan within limits and accelerations passes each of them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reachable {
+    pub(crate) low: Vec<f64>,
+    pub(crate) high: Vec<f64>,
+}
+
+impl Reachable {
+    /// Forward with the largest acceleration and the strongest braking, then backward.
+    ///
+    /// The highest speeds that can be reached form a plan, the fastest one, and so do the lowest (the feasible set is a lattice).
+    pub(crate) fn new(problem: &Problem) -> Result<Self, Obstacle> {
+        Self::gentle(problem, 1.0)
+    }
+
+    /// With a share of the accelerations that are allowed.
+    pub(crate) fn gentle(problem: &Problem, share: f64) -> Result<Self, Obstacle> {
+        let beyond = |step, here, direction, limits| beyond(problem, share, step, here, direction, limits);
+        let nodes = problem.nodes();
+        let (mut low, mut high) = (problem.min_z.clone(), problem.max_z.clone());
+        for k in 1..nodes {
+            let step = k - 1;
+            let fastest = beyond(step, high[step], Direction::Forward, Limits::Strongest);
+            if fastest < low[k] {
+                let gives_way = fastest >= CRAWL_Z && problem.min_z[k] < problem.max_z[k];
+                if !gives_way {
+                    return Err(too_slow(problem, step, high[step]));
+                }
+                low[k] = fastest;
+            }
+            high[k] = high[k].min(fastest);
+            let slowest = beyond(step, low[step], Direction::Forward, Limits::Braking);
+            if slowest > high[k] * (1.0 + 1e-12) {
+                return Err(cannot_stop(problem, k, low[step]));
+            }
+            low[k] = low[k].max(slowest.min(high[k]));
+        }
+        for step in (0..nodes - 1).rev() {
+            let fastest = beyond(step, high[step + 1], Direction::Backward, Limits::Braking);
+            if fastest < low[step] * (1.0 - 1e-12) {
+                return Err(cannot_stop(problem, step + 1, low[step]));
+            }
+            high[step] = high[step].min(fastest.max(low[step]));
+            let slowest = beyond(step, low[step + 1], Direction::Backward, Limits::Strongest);
+            if slowest > high[step] * (1.0 + 1e-12) {
+                return Err(too_slow(problem, step, high[step]));
+            }
+            low[step] = low[step].max(slowest.min(high[step]));
+        }
+        Ok(Self { low, high })
+    }
+
+    pub(crate) fn is_fixed(&self, node: usize) -> bool {
+        self.high[node] - self.low[node] <= 1e-9 * (1.0 + self.high[node])
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Direction {
+    Forward,
+    Backward,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Limits {
+    Strongest,
+    Braking,
+}
+
+/// The squared speed at the other end of a step whose acceleration is at a limit; at least 0.
+fn beyond(
+    problem: &Problem,
+    share: f64,
+    step: usize,
+    here: f64,
+    direction: Direction,
+    limits: Limits,
+) -> f64 {
+    let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
+    let reach = 2.0 * problem.steps[step].length_m() * sign;
+    let limit = |other: f64| {
+        let speed_mps = mean_speed(here, other);
+        match limits {
+            Limits::Strongest => gentler(problem.max_accel(step, speed_mps), share),
+            Limits::Braking => share * problem.min_accel(speed_mps),
+        }
+    };
+    // Where the limit is that of any speed, this is the solution.
+    let first = (here + reach * limit(here)).max(0.0);
+    let residual = |other: f64| other - here - reach * limit(other);
+    let error = residual(first);
+    if error.abs() <= 1e-12 * (1.0 + here) {
+        return first;
+    }
+    bracketed_root(residual, first, error)
+}
+
+/// Where a car must lose speed uphill, it loses more.
+fn gentler(accel: f64, share: f64) -> f64 {
+    if accel > 0.0 { share * accel } else { accel / share }
+}
+
+/// Root of an increasing function of a squared speed near a first guess; 0 where it lies below.
+fn bracketed_root(residual: impl Fn(f64) -> f64, first: f64, error: f64) -> f64 {
+    let (mut low, mut high) = (first, first);
+    let (mut at_low, mut at_high) = (error, error);
+    let mut width = error.abs();
+    for _ in 0..60 {
+        if at_low <= 0.0 && at_high >= 0.0 {
+            break;
+        }
+        if at_high < 0.0 {
+            high += width;
+            at_high = residual(high);
+        } else if low <= 0.0 {
+            return 0.0;
+        } else {
+            low = (low - width).max(0.0);
+            at_low = residual(low);
+        }
+        width *= 2.0;
+    }
+    // Regula falsi after Illinois.
+    for _ in 0..80 {
+        if high - low <= 1e-13 * (1.0 + high) {
+            break;
+        }
+        let share = if at_high > at_low { -at_low / (at_high - at_low) } else { 0.5 };
+        let middle = low + share.clamp(1e-3, 1.0 - 1e-3) * (high - low);
+        let at_middle = residual(middle);
+        if at_middle > 0.0 {
+            (high, at_high) = (middle, at_middle);
+            at_low *= 0.5;
+        } else {
+            (low, at_low) = (middle, at_middle);
+            at_high *= 0.5;
+        }
+        if at_middle.abs() <= 1e-13 * (1.0 + middle) {
+            return middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Why the slowest speed cannot be held in a step that begins at the highest squared speed that can be reached.
+fn too_slow(problem: &Problem, step: usize, from_z: f64) -> Obstacle {
+    let position_m = problem.columns.position_m[step];
+    let speed_mps = mean_speed(from_z, problem.min_z[step + 1]);
+    let given_mps2 = problem.max_accel(step, speed_mps);
+    if problem.strongest_accel(step, speed_mps) <= given_mps2 {
+        return Obstacle::TooSteep {
+            position_m,
+            slope_rad: problem.columns.slope_rad[step],
+        };
+    }
+    Obstacle::CannotAccelerate {
+        position_m,
+        needed_mps2: (problem.min_z[step + 1] - from_z) / (2.0 * problem.steps[step].length_m()),
+        allowed_mps2: given_mps2,
+    }
+}
+
+/// Braking from a speed that cannot be avoided to what the end of a step allows takes too much.
+fn cannot_stop(problem: &Problem, node: usize, from_z: f64) -> Obstacle {
+    let length_m = problem.steps[node - 1].length_m();
+    let to_z = problem.max_z[node];
+    Obstacle::CannotStop {
+        position_m: problem.columns.position_m[node],
+        needed_mps2: (to_z - from_z) / (2.0 * length_m),
+        allowed_mps2: problem.min_accel(mean_speed(from_z, to_z)),
+    }
+}
