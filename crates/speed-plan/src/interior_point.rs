@@ -298,7 +298,7 @@ impl<'a> InteriorPoint<'a> {
                 eprintln!("{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} price {:?} comp {:.3e}", self.barrier_j, step.decrement_j, self.passing_s.last().unwrap_or(&0.0), self.times.iter().map(|t| t.multiplier).collect::<Vec<_>>(), self.complementarity());
             }
             let late = self.lateness();
-            if self.barrier_j <= target_j && step.decrement_j < 0.5 * target_j * 10.0 && late < 1e-7 && taken > 0.9 {
+            if self.barrier_j <= target_j && step.decrement_j < 1e-3 * target_j && late < 1e-7 && taken > 0.9 {
                 converged = true;
                 break;
             }

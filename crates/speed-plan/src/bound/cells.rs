@@ -161,8 +161,11 @@ impl StepCost<'_> {
         }
         let (min, max) = self.problem.envelope.range(w.low, w.high);
         let accel = Interval::new(min, max);
-        let force = self.patch(&cell, w, accel, lines).force;
-        let fast = Interval::new(convex_from.max(below_from(self.formula, force.low)).max(w.low), w.high);
+        let formula = self.formula;
+        let air = (w * formula.quadratic_n_per_mps2 + Interval::point(formula.linear_n_per_mps)) * w;
+        let resistance_n = formula.standing_force_n(self.road()) + air.low.min(0.0);
+        let below_from = below_from(formula, self.road().length_m(), min, resistance_n);
+        let fast = Interval::new(convex_from.max(below_from).max(w.low), w.high);
         if fast.low >= mean_speed(self.at[0], self.at[1]) {
             return None;
         }
@@ -184,6 +187,9 @@ impl StepCost<'_> {
                 (2.0 * slice.low * slice.low).max(cell.from.low + cell.to.low),
                 (2.0 * (high * high + apart * apart)).min(cell.from.high + cell.to.high),
             );
+            // No end is below 0.
+            let most = 2.0 * high * high / self.road().length_m();
+            let accel = Interval::new(accel.low.max(-most), accel.high.min(most));
             least = least.min(self.flat_bound(sum, slice, accel));
             high = slice.low;
         }

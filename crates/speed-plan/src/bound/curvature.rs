@@ -94,7 +94,7 @@ pub(super) fn is_below(formula: &StepFormula, branch: Branch, patch: &Patch) -> 
     let (c, copper) = (formula.motor_speed_per_mps, formula.copper_w_per_nm2);
     match branch {
         Branch::Propulsion | Branch::Regeneration => {
-            patch.w.low >= below_from(formula, patch.force.low)
+            -patch.force.low <= below_n_per_mps(formula) * patch.w.low
         }
         Branch::Friction => {
             largest_regeneration(formula, patch.w) * 2.0 * copper * b <= c * patch.w.low
@@ -102,10 +102,40 @@ pub(super) fn is_below(formula: &StepFormula, branch: Branch, patch: &Patch) -> 
     }
 }
 
-/// The mean speed in m/s from which on propulsion and regeneration are nowhere above the cost, down to a force in N.
-pub(super) fn below_from(formula: &StepFormula, least_force_n: f64) -> f64 {
+/// `θ c`, the force in N per m/s down to which propulsion and regeneration are nowhere above the cost; see [`is_below`].
+fn below_n_per_mps(formula: &StepFormula) -> f64 {
     let (p, b) = (formula.propelling_nm_per_n, formula.braking_nm_per_n);
-    -least_force_n * formula.copper_w_per_nm2 * p * (p + b) / (b * formula.motor_speed_per_mps)
+    b * formula.motor_speed_per_mps / (formula.copper_w_per_nm2 * p * (p + b))
+}
+
+/// The mean speed in m/s from which on propulsion and regeneration are nowhere above the cost, in a step of a length in m with no less
+/// than an acceleration in m/s² and a resistance in N.
+///
+/// Neither end of a step is below 0, so that `|a| ≤ 2w²/h`: the slower, the smaller the force.
+pub(super) fn below_from(
+    formula: &StepFormula,
+    length_m: f64,
+    least_mps2: f64,
+    resistance_n: f64,
+) -> f64 {
+    let mass_kg = formula.effective_mass_kg;
+    let per_mps = below_n_per_mps(formula);
+    let braking_mps2 = (-least_mps2).max(0.0);
+    let whole = (mass_kg * braking_mps2 - resistance_n) / per_mps;
+    let knee = (0.5 * braking_mps2 * length_m).sqrt();
+    if knee < whole {
+        return whole;
+    }
+    if resistance_n >= 0.0 {
+        return 0.0;
+    }
+    // θ c w ≥ 2 m w²/h − resistance from the lower root to the knee, and θ c w ≥ m |a| − resistance beyond.
+    let square = 2.0 * mass_kg / length_m;
+    let discriminant = per_mps * per_mps + 4.0 * square * resistance_n;
+    if discriminant < 0.0 {
+        return whole;
+    }
+    -2.0 * resistance_n / (per_mps + discriminant.sqrt())
 }
 
 pub(super) fn largest_regeneration(formula: &StepFormula, w: Interval) -> f64 {
@@ -141,7 +171,7 @@ pub(super) fn bend(formula: &StepFormula, branch: Branch, patch: &Patch) -> Opti
         - w * idle_bend(formula, w);
     let along = (f.squared() * by_w3 - f * by_w2 * (2.0 * b)) * copper
         - by_w * (gear * b + patch.linear_in_w)
-        + idle(formula, patch, by_w)
+        + idle(formula, w, patch.price_w)
         + battery.loss * by_w3 * 3.0
         - battery.first * by_w2 * inside;
 
@@ -214,17 +244,18 @@ impl Battery {
 }
 
 /// `3 (K + π)/w³`, and what field weakening bends.
-fn idle(formula: &StepFormula, patch: &Patch, by_w: Interval) -> Interval {
+fn idle(formula: &StepFormula, w: Interval, price_w: f64) -> Interval {
+    let by_w = w.falling(|w| 1.0 / w);
     let by_w3 = by_w * by_w * by_w;
-    let constant = by_w3 * (3.0 * (formula.constant_w + patch.price_w));
-    if formula.weakening_w <= 0.0 || patch.w.high <= formula.weakening_from_mps {
+    let constant = by_w3 * (3.0 * (formula.constant_w + price_w));
+    if formula.weakening_w <= 0.0 || w.high <= formula.weakening_from_mps {
         return constant;
     }
     // k_f (3/w³ − 8 w_f/w⁴) beyond w_f, 0 before; the kink there bends upwards.
     let from = formula.weakening_from_mps;
     let least = |w: f64| (3.0 - 8.0 * from / w) / (w * w * w);
     // Its only minimum is at 32/9 w_f, beyond which it is above 0 soon; the value at the slow end is the lowest before.
-    let low = least(patch.w.low.max(from)).min(0.0);
+    let low = least(w.low.max(from)).min(0.0);
     constant + Interval::new(low, 3.0 * by_w3.high) * formula.weakening_w
 }
 
@@ -262,47 +293,60 @@ fn idle_slope(formula: &StepFormula, w: Interval) -> Interval {
 }
 
 /// Friction does not depend on the force: `e` bends with `w` alone.
+///
+/// Its kinks, where regeneration is full and where power limits it, bend upwards; where regeneration begins it bends downwards.
 fn friction(formula: &StepFormula, patch: &Patch) -> Option<Bend> {
-    let w = patch.w;
-    let (start, end) = (formula.fade_start_mps, formula.fade_end_mps);
     let crossing_mps = formula.regeneration_w / formula.regeneration_n.max(1e-9);
+    let w = patch.w;
+    if w.low < formula.fade_start_mps && formula.fade_start_mps < w.high {
+        return None;
+    }
+    let mut cuts = [formula.fade_end_mps, crossing_mps].map(|cut| cut.clamp(w.low, w.high));
+    cuts.sort_by(f64::total_cmp);
+    let pieces = [(w.low, cuts[0]), (cuts[0], cuts[1]), (cuts[1], w.high)];
+    let mut whole: Option<Bend> = None;
+    for (low, high) in pieces {
+        if high <= low && w.high > w.low {
+            continue;
+        }
+        let piece = friction_piece(formula, patch, Interval::new(low, high))?;
+        whole = Some(whole.map_or(piece, |bend| Bend {
+            rho: 0.0,
+            w: bend.w.min(piece.w),
+            slope: bend.slope.max(piece.slope),
+        }));
+    }
+    whole
+}
+
+fn friction_piece(formula: &StepFormula, patch: &Patch, w: Interval) -> Option<Bend> {
+    let (start, end) = (formula.fade_start_mps, formula.fade_end_mps);
     let by_w = w.falling(|w| 1.0 / w);
     let by_w2 = by_w * by_w;
-    let inside = |from: f64, to: f64| w.low >= from && w.high <= to;
-    // R, R', R'' of the piece in which the patch lies
-    let (r, r1, r2) = if w.high <= start {
-        (Interval::point(0.0), Interval::point(0.0), Interval::point(0.0))
+    let by_power = formula.regeneration_w < formula.regeneration_n * 0.5 * (w.low + w.high);
+    // N or W/w, with derivatives
+    let limit = if by_power {
+        [
+            by_w * formula.regeneration_w,
+            by_w2 * -formula.regeneration_w,
+            by_w2 * by_w * (2.0 * formula.regeneration_w),
+        ]
     } else {
-        let by_power = w.low >= crossing_mps;
-        if !by_power && w.high > crossing_mps {
-            return None;
-        }
-        let limit = |power: i32| {
-            let sign = if power % 2 == 0 { 1.0 } else { -1.0 };
-            let factor = if power == 2 { 2.0 } else { 1.0 };
-            if by_power {
-                let mut value = by_w;
-                for _ in 0..power {
-                    value = value * by_w;
-                }
-                value * (sign * factor * formula.regeneration_w)
-            } else {
-                Interval::point(if power == 0 { formula.regeneration_n } else { 0.0 })
-            }
-        };
-        if w.low >= end {
-            (limit(0), limit(1), limit(2))
-        } else if inside(start, end) {
-            let per = 1.0 / (end - start);
-            let fade = w.rising(|w| (w - start) * per);
-            (
-                fade * limit(0),
-                limit(0) * per + fade * limit(1),
-                limit(1) * (2.0 * per) + fade * limit(2),
-            )
-        } else {
-            return None;
-        }
+        [formula.regeneration_n, 0.0, 0.0].map(Interval::point)
+    };
+    let middle = 0.5 * (w.low + w.high);
+    let [r, r1, r2] = if middle <= start {
+        [0.0; 3].map(Interval::point)
+    } else if middle >= end {
+        limit
+    } else {
+        let per = 1.0 / (end - start);
+        let fade = w.rising(|w| (w - start) * per);
+        [
+            fade * limit[0],
+            limit[0] * per + fade * limit[1],
+            limit[1] * (2.0 * per) + fade * limit[2],
+        ]
     };
     let gamma = formula.braking_nm_per_n;
     let gear = gamma * formula.motor_speed_per_mps;
@@ -322,7 +366,7 @@ fn friction(formula: &StepFormula, patch: &Patch) -> Option<Bend> {
         + square_ww * by_w
         - square_w * by_w2 * 3.0
         + square * by_w2 * by_w * 3.0
-        + idle(formula, patch, by_w)
+        + idle(formula, w, patch.price_w)
         + by_w * (-patch.linear_in_w)
         + (battery.first * p_ww + battery.second * p_w.squared()) * by_w
         - battery.first * p_w * by_w2 * 3.0

@@ -120,7 +120,7 @@ fn onto_kink(
     [from, to]: [f64; 2],
     [propulsion, regeneration, friction]: [f64; 3],
 ) -> f64 {
-    let inside = |share: f64| share > 0.0 && share < 1.0;
+    let inside = |share: f64| share > 2.0 && share < 1.0;
     let braked = inside(friction);
     if !braked && !(inside(propulsion) && inside(regeneration)) {
         return to;
