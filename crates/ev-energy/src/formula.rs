@@ -1,6 +1,6 @@
 use crate::GRAVITY_MPS2;
 use crate::battery::Cells;
-use crate::jet::Jet;
+use crate::jet::{Jet, positive_part};
 use crate::road_load::RoadLoad;
 use crate::step::RoadStep;
 use crate::vehicle::Vehicle;
@@ -62,12 +62,13 @@ pub struct StepFormula {
     pub fade_end_mps: f64,
 }
 
-/// Widths over which kinks are rounded: `max(x, 0)` becomes `½(x + √(x² + width²))`.
+/// Widths over which kinks are rounded; above 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KinkWidths {
-    /// Of those between propulsion, regeneration and friction brakes, and of the limit of regeneration, N; above 0.
+    /// Of those between propulsion, regeneration and friction brakes, where `max(x, 0)` becomes `½(x + √(x² + width²))`, N; and of
+    /// the limit of regeneration, where a polynomial within the width of 0 takes its place.
     pub force_n: f64,
-    /// Of the fade of regeneration, 1; above 0.
+    /// Of the fade of regeneration and of field weakening, by that polynomial, 1.
     pub fade: f64,
 }
 
@@ -206,6 +207,32 @@ impl StepFormula {
         electric.map(|power| self.cells_power(power))
     }
 
+    /// [`SmoothStep::energy_j`] and [`SmoothStep::time_s`] alone, for less.
+    #[must_use]
+    pub fn energy_and_time(
+        &self,
+        step: &RoadStep,
+        from_m2ps2: f64,
+        to_m2ps2: f64,
+        widths: KinkWidths,
+    ) -> (f64, f64) {
+        let w = 0.5 * (from_m2ps2.sqrt() + to_m2ps2.sqrt());
+        let a = (to_m2ps2 - from_m2ps2) / (2.0 * step.length_m());
+        let force = self.effective_mass_kg * a
+            + self.standing_force_n(step)
+            + (self.linear_n_per_mps + self.quadratic_n_per_mps2 * w) * w;
+        let regeneration = self.regeneration_limit(w, widths).value;
+        let motor = positive_part(force + regeneration, widths.force_n)[0] - regeneration;
+        let torque = positive_part(motor, widths.force_n)[0]
+            * (self.propelling_nm_per_n - self.braking_nm_per_n)
+            + motor * self.braking_nm_per_n;
+        let electric_w = torque * (torque * self.copper_w_per_nm2 + w * self.motor_speed_per_mps)
+            + self.idle_loss(w, widths).value;
+        let time_s = step.length_m() / w;
+        (self.cells_power(electric_w)[0] * time_s, time_s)
+    }
+
+    #[inline(always)]
     fn regeneration_limit(&self, w: f64, widths: KinkWidths) -> Jet {
         let by_power = Jet {
             value: self.regeneration_w / w,
@@ -215,20 +242,22 @@ impl StepFormula {
         };
         let by_force = Jet::constant(self.regeneration_n);
         // min(x, y) = y − max(y − x, 0)
-        let limit = by_force - (by_force - by_power).positive_part(widths.force_n);
+        let limit = by_force - (by_force - by_power).rounded_part(widths.force_n);
         let per_mps = 1.0 / (self.fade_end_mps - self.fade_start_mps);
-        let share = (w - self.fade_start_mps) * per_mps;
         let share = Jet {
-            value: share,
+            value: (w - self.fade_start_mps) * per_mps,
             w: per_mps,
             ..Jet::default()
         };
-        let fade = share.positive_part(widths.fade)
-            - (share - Jet::constant(1.0)).positive_part(widths.fade);
-        fade.times(limit)
+        if share.value >= 1.0 + widths.fade {
+            return limit;
+        }
+        let beyond = share - Jet::constant(1.0);
+        (share.rounded_part(widths.fade) - beyond.rounded_part(widths.fade)).times(limit)
     }
 
     /// `L(w)`.
+    #[inline(always)]
     fn idle_loss(&self, w: f64, widths: KinkWidths) -> Jet {
         let spin = Jet {
             value: self.constant_w + (self.iron_w_per_mps + self.windage_w_per_mps3 * w * w) * w,
@@ -246,11 +275,12 @@ impl StepFormula {
             ww: -2.0 * from / (w * w * w),
             ..Jet::default()
         };
-        spin + beyond.positive_part(0.1 * widths.fade) * self.weakening_w
+        spin + beyond.rounded_part(widths.fade) * self.weakening_w
     }
 
     /// Power from the cells for one at the terminals, with its first and second derivative.
     #[must_use]
+    #[inline]
     pub fn cells_power(&self, electric_power_w: f64) -> [f64; 3] {
         let u = self.voltage_v;
         let discriminant = u * u - 4.0 * self.resistance_ohm * electric_power_w;

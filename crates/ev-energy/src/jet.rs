@@ -34,21 +34,27 @@ impl Jet {
         }
     }
 
-    /// `½(x + √(x² + width²))`.
+    /// [`positive_part`] of the value.
     #[inline(always)]
     pub(crate) fn positive_part(self, width: f64) -> Self {
+        self.map(|x| positive_part(x, width))
+    }
+
+    /// `max(x, 0)` beyond a width, and between a polynomial with two continuous derivatives.
+    #[inline(always)]
+    pub(crate) fn rounded_part(self, width: f64) -> Self {
         self.map(|x| {
-            let root = (x * x + width * width).sqrt();
-            // Without cancellation for negative x.
-            let value = if x > 0.0 {
-                0.5 * (x + root)
-            } else {
-                0.5 * width * width / (root - x)
-            };
+            if x >= width {
+                return [x, 1.0, 0.0];
+            }
+            if x <= -width {
+                return [0.0; 3];
+            }
+            let (t, rest) = (1.0 + x / width, 1.0 - x / width);
             [
-                value,
-                value / root,
-                0.5 * width * width / (root * root * root),
+                width * t * t * t * (2.0 + rest) / 16.0,
+                t * t * (1.0 + rest) / 4.0,
+                0.75 * t * rest / width,
             ]
         })
     }
@@ -82,6 +88,18 @@ impl Jet {
             aa: self.aa * other.value + 2.0 * self.a * other.a + self.value * other.aa,
         }
     }
+}
+
+/// `½(x + √(x² + width²))` with its first and second derivative.
+#[inline(always)]
+pub(crate) fn positive_part(x: f64, width: f64) -> [f64; 3] {
+    let square = width * width;
+    let root = (x * x + square).sqrt();
+    let by_root = 1.0 / root;
+    // Without cancellation for negative x.
+    let larger = root + x.abs();
+    let value = if x > 0.0 { 0.5 * larger } else { 0.5 * square / larger };
+    [value, value * by_root, 0.5 * square * by_root * by_root * by_root]
 }
 
 impl Add for Jet {

@@ -43,7 +43,7 @@ struct CaseSpec {
     #[serde(default)]
     signals: Vec<SignalSpec>,
     #[serde(default)]
-    earliest_passage_s: Vec<f64>,
+    earliest_passage_s: Vec<Option<f64>>,
     latest_arrival_s: Option<f64>,
 }
 
@@ -156,6 +156,8 @@ impl Case {
             node: signal.node,
             green_s: signal.green,
         });
+        let free_s = crate::problem::NO_LEADER_S;
+        let earliest_s = spec.earliest_passage_s.iter().map(|time_s| time_s.unwrap_or(free_s));
         Ok(Self {
             vehicle: Vehicle::new(spec.vehicle.into_vehicle(&spec.name))?,
             columns: Columns {
@@ -165,7 +167,7 @@ impl Case {
                 max_mps: spec.speed_max_mps,
                 dwell_s,
                 signals: signals.collect(),
-                earliest_s: spec.earliest_passage_s,
+                earliest_s: earliest_s.collect(),
             },
             name: spec.name,
             envelope,

@@ -14,13 +14,13 @@ use crate::tridiagonal::{Tridiagonal, solve_dense};
 
 /// A bound on the time at which a node is passed, or left after waiting there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimeBound {
-    pub node: usize,
+pub(crate) struct TimeBound {
+    pub(crate) node: usize,
     /// After the wait at the node rather than on arrival.
-    pub after_wait: bool,
+    pub(crate) after_wait: bool,
     /// No later than the time; otherwise no earlier.
-    pub at_most: bool,
-    pub time_s: f64,
+    pub(crate) at_most: bool,
+    pub(crate) time_s: f64,
 }
 
 impl TimeBound {
@@ -36,20 +36,29 @@ impl TimeBound {
 
 /// What is solved.
 #[derive(Debug, Clone, Default)]
-pub struct Task {
+pub(crate) struct Task {
     /// Price of time on the whole trip, W.
-    pub price_w: f64,
-    pub time_bounds: Vec<TimeBound>,
+    pub(crate) price_w: f64,
+    pub(crate) time_bounds: Vec<TimeBound>,
     /// Nodes where the car stands and may wait for as long as it likes.
-    pub waits: Vec<usize>,
+    pub(crate) waits: Vec<usize>,
+}
+
+impl Task {
+    /// Price of the time that is spent waiting at a node, W.
+    pub(crate) fn price_of_wait(&self, node: usize, multipliers_w: &[f64]) -> f64 {
+        let bounds = self.time_bounds.iter().zip(multipliers_w);
+        let later = bounds.filter(|(bound, _)| bound.includes_wait_at(node));
+        self.price_w + later.map(|(bound, m)| bound.sign() * m).sum::<f64>()
+    }
 }
 
 /// How precisely.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Precision {
+pub(crate) struct Precision {
     /// Barrier at the end, J.
-    pub barrier_j: f64,
-    pub most_iterations: usize,
+    pub(crate) barrier_j: f64,
+    pub(crate) most_iterations: usize,
 }
 
 impl Default for Precision {
@@ -63,22 +72,25 @@ impl Default for Precision {
 
 /// Where the method ended.
 #[derive(Debug, Clone)]
-pub struct Solution {
+pub(crate) struct Solution {
     /// Squared speeds, m²/s².
-    pub z: Vec<f64>,
+    pub(crate) z: Vec<f64>,
     /// Waits, s.
-    pub waits_s: Vec<f64>,
+    pub(crate) waits_s: Vec<f64>,
     /// Multiplier of every time bound, W; at least 0.
-    pub multipliers_w: Vec<f64>,
+    pub(crate) multipliers_w: Vec<f64>,
     /// Price of time of every step, W.
-    pub step_price_w: Vec<f64>,
+    pub(crate) step_price_w: Vec<f64>,
     /// Derivative of the step before a node by the node's squared speed, J/(m²/s²).
-    pub potential: Vec<f64>,
+    pub(crate) potential: Vec<f64>,
     /// Multipliers of the largest and the smallest acceleration of every step, J/(m/s²).
-    pub accel_multiplier: Vec<[f64; 2]>,
-    pub iterations: usize,
-    pub converged: bool,
+    pub(crate) accel_multiplier: Vec<[f64; 2]>,
+    pub(crate) iterations: usize,
+    pub(crate) converged: bool,
 }
+
+/// Width of rounded kinks at the end, N.
+pub(crate) const LEAST_WIDTH_N: f64 = 0.02;
 
 /// Kinds of bounds on the acceleration of a step.
 const COMFORT: usize = 0;
@@ -102,7 +114,7 @@ struct Pair {
     multiplier: f64,
 }
 
-pub struct InteriorPoint<'a> {
+pub(crate) struct InteriorPoint<'a> {
     problem: &'a Problem<'a>,
     formula: StepFormula,
     reachable: &'a Reachable,
@@ -121,7 +133,7 @@ pub struct InteriorPoint<'a> {
 
 impl<'a> InteriorPoint<'a> {
     /// Starts from squared speeds strictly inside; `None` where they are not.
-    pub fn new(
+    pub(crate) fn new(
         problem: &'a Problem<'a>,
         formula: StepFormula,
         reachable: &'a Reachable,
@@ -194,16 +206,28 @@ impl<'a> InteriorPoint<'a> {
 
     fn widths(&self) -> KinkWidths {
         KinkWidths {
-            force_n: (4.0 * self.barrier_j).clamp(0.02, 300.0),
+            force_n: (4.0 * self.barrier_j).clamp(LEAST_WIDTH_N, 300.0),
             fade: (1e-2 * self.barrier_j).clamp(1e-5, 0.2),
         }
     }
 
-    fn evaluate(&mut self) {
+    /// Steps with derivatives; bounds and times are there already.
+    fn evaluate_derivatives(&mut self) {
         let widths = self.widths();
         for k in 0..self.steps.len() {
             let (from, to) = (self.z[k], self.z[k + 1]);
             self.steps[k] = self.formula.step(&self.problem.steps[k], from, to, widths);
+        }
+    }
+
+    /// Energy, time and bounds.
+    fn evaluate(&mut self) {
+        let widths = self.widths();
+        for k in 0..self.steps.len() {
+            let (from, to) = (self.z[k], self.z[k + 1]);
+            let step = &mut self.steps[k];
+            (step.energy_j, step.time_s) =
+                self.formula.energy_and_time(&self.problem.steps[k], from, to, widths);
             self.evaluate_bounds(k, from, to);
         }
         self.passing_s.clear();
@@ -277,38 +301,28 @@ impl<'a> InteriorPoint<'a> {
         price
     }
 
-    /// Price of the time that is spent waiting at a node.
-    fn price_of_wait(&self, node: usize, multipliers: &[f64]) -> f64 {
-        let bounds = self.task.time_bounds.iter().zip(multipliers);
-        let later = bounds.filter(|(bound, _)| bound.includes_wait_at(node));
-        self.task.price_w + later.map(|(bound, m)| bound.sign() * m).sum::<f64>()
-    }
-
-    pub fn solve(mut self, precision: Precision) -> Solution {
+    pub(crate) fn solve(mut self, precision: Precision) -> Solution {
         let mut newton = Newton::default();
         let mut iterations = 0;
         let mut converged = false;
         while iterations < precision.most_iterations {
             iterations += 1;
+            self.evaluate_derivatives();
             let step = newton.direction(&self);
             let taken = self.advance(&step);
             let target_j = precision.barrier_j;
-            let trace = std::env::var_os("SPEED_PLAN_TRACE").is_some();
-            if trace {
-                eprintln!("{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} price {:?} comp {:.3e}", self.barrier_j, step.decrement_j, self.passing_s.last().unwrap_or(&0.0), self.times.iter().map(|t| t.multiplier).collect::<Vec<_>>(), self.complementarity());
-            }
             let late = self.lateness();
             if self.barrier_j <= target_j && step.decrement_j < 1e-3 * target_j && late < 1e-7 && taken > 0.9 {
                 converged = true;
                 break;
             }
             let average_j = self.complementarity();
-            let factor = if taken > 0.8 { 0.12 } else if taken > 0.3 { 0.4 } else { 1.0 };
+            let factor = if taken > 0.8 { 0.3 } else if taken > 0.3 { 0.6 } else { 0.9 };
             if step.decrement_j < 40.0 * (self.barrier_j * self.steps.len() as f64).max(1e-6) {
                 self.barrier_j = (factor * average_j).min(self.barrier_j).max(0.9 * target_j);
             }
-            self.evaluate();
         }
+        self.evaluate_derivatives();
         self.finish(iterations, converged)
     }
 

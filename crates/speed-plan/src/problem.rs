@@ -6,6 +6,9 @@ use crate::error::Error;
 /// More nodes than any road needs: 1000 km at 1 m.
 const MOST_NODES: usize = 1_000_001;
 
+/// Earliest passage of a node that the leader does not hold up, s.
+pub const NO_LEADER_S: f64 = -1e9;
+
 /// A road as the planner takes it: one value per node, or per step between two nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
@@ -21,7 +24,7 @@ pub struct Columns {
     pub dwell_s: Vec<f64>,
     /// Signals, in the order of their nodes.
     pub signals: Vec<Signal>,
-    /// Earliest passage of every node behind a leader, s; empty without one.
+    /// Earliest passage of every node behind a leader, s, [`NO_LEADER_S`] where it holds nobody up; empty without one.
     pub earliest_s: Vec<f64>,
 }
 

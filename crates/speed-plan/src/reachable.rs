@@ -16,19 +16,23 @@ impl Reachable {
     ///
     /// The highest speeds that can be reached form a plan, the fastest one, and so do the lowest (the feasible set is a lattice).
     pub(crate) fn new(problem: &Problem) -> Result<Self, Obstacle> {
-        Self::gentle(problem, 1.0)
+        Self::within(problem, problem.min_z.clone(), problem.max_z.clone(), 1.0)
     }
 
-    /// With a share of the accelerations that are allowed.
-    pub(crate) fn gentle(problem: &Problem, share: f64) -> Result<Self, Obstacle> {
+    /// Between other squared speeds, with a share of the accelerations that are allowed.
+    pub(crate) fn within(
+        problem: &Problem,
+        mut low: Vec<f64>,
+        mut high: Vec<f64>,
+        share: f64,
+    ) -> Result<Self, Obstacle> {
         let beyond = |step, here, direction, limits| beyond(problem, share, step, here, direction, limits);
         let nodes = problem.nodes();
-        let (mut low, mut high) = (problem.min_z.clone(), problem.max_z.clone());
         for k in 1..nodes {
             let step = k - 1;
             let fastest = beyond(step, high[step], Direction::Forward, Limits::Strongest);
             if fastest < low[k] {
-                let gives_way = fastest >= CRAWL_Z && problem.min_z[k] < problem.max_z[k];
+                let gives_way = fastest >= CRAWL_Z && low[k] < high[k];
                 if !gives_way {
                     return Err(too_slow(problem, step, high[step]));
                 }

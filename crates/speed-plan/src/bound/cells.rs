@@ -112,14 +112,14 @@ impl StepCost<'_> {
         energy_j + self.price_w * time_s + self.potential_j(from, to)
     }
 
-    /// A number that no motion between squared speeds within two ranges costs less than, in J, and how many cells it took.
-    pub(super) fn least_j(&self, from: Interval, to: Interval) -> (f64, usize) {
+    /// A number that no motion between squared speeds within two ranges costs less than, in J.
+    pub(super) fn least_j(&self, from: Interval, to: Interval) -> f64 {
         let lines = self.lines();
         let mut best = self.cost_j(self.at[0], self.at[1]);
         if let Some(least) = self.least_at_once(from, to, &lines)
             && least >= best - self.tolerance_j
         {
-            return (least, 1);
+            return least;
         }
         let mut open = BinaryHeap::from([Open {
             bound: f64::NEG_INFINITY,
@@ -129,7 +129,7 @@ impl StepCost<'_> {
         // The cell with the lowest bound first: when it is near enough to the best that was seen, all are.
         while let Some(Open { bound, cell }) = open.pop() {
             if bound >= best - self.tolerance_j || cells >= self.most_cells {
-                return (bound, cells);
+                return bound;
             }
             for half in self.halves(cell) {
                 let Some(half) = self.within_accelerations(half) else {
@@ -145,7 +145,7 @@ impl StepCost<'_> {
             }
         }
         // Nothing can be driven: any number is below it.
-        (best, cells)
+        best
     }
 
     /// The tangent plane at the plan where the cost is convex, and flat bounds for what is slower.

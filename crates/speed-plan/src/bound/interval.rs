@@ -17,6 +17,13 @@ impl Interval {
         Self::new(value, value)
     }
 
+    /// The smallest with all of several numbers.
+    pub(super) fn hull(values: impl Iterator<Item = f64>) -> Self {
+        values.fold(Self::new(f64::INFINITY, f64::NEG_INFINITY), |hull, value| {
+            Self::new(hull.low.min(value), hull.high.max(value))
+        })
+    }
+
     /// Of a function that does not fall, from its values at both ends.
     pub(super) fn rising(self, function: impl Fn(f64) -> f64) -> Self {
         Self::new(function(self.low), function(self.high))

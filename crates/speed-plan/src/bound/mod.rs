@@ -26,118 +26,173 @@ use interval::Interval;
 const ROUNDING: f64 = 1e-12;
 
 /// Widths of rounded kinks at which the shares of the branches are read, N.
-const KINK_WIDTH_N: f64 = 0.02;
+const KINK_WIDTH_N: f64 = crate::interior_point::LEAST_WIDTH_N;
 
-/// Least energy in J, dwells at signals' waits included, that any plan needs for a task.
-pub(crate) fn lower_bound_j(
+/// Parts of one step's box that are looked at, at most.
+const MOST_CELLS: usize = 400;
+
+/// What every plan costs at least at given prices and potentials.
+pub(crate) struct Bound {
+    /// Energy in J that any plan needs that keeps the time bounds and, at a price of time, takes as long as the one it was asked for.
+    pub(crate) energy_j: f64,
+    /// How much more it takes to stand at each of several nodes, J; below 0 where the bound holds for passing only.
+    pub(crate) standing_extra_j: Vec<f64>,
+}
+
+/// A bound with the multipliers of a solution, and what standing at some nodes that it passes would add.
+pub(crate) fn lower_bound(
     problem: &Problem,
     formula: &StepFormula,
     reachable: &Reachable,
     task: &Task,
     solution: &Solution,
+    time_s: f64,
     tolerance_j: f64,
-) -> (f64, usize) {
+    may_stand: &[usize],
+) -> Bound {
     let steps = problem.steps.len();
-    let z = &solution.z;
-    let mut sum = 0.0;
-    let mut magnitude = 0.0;
-    let mut add = |value: f64| {
-        sum += value;
-        magnitude += value.abs();
-    };
-    let mut cells = 0;
-    let hull = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold(Interval::new(f64::INFINITY, f64::NEG_INFINITY), |hull, value| {
-            Interval::new(hull.low.min(value), hull.high.max(value))
+    let bounder = Bounder::new(problem, formula, reachable, solution, tolerance_j);
+    let mut sum = Sum::default();
+    let least: Vec<f64> = (0..steps)
+        .scan(None, |convex, k| {
+            let range = |k: usize| Interval::new(reachable.low[k], reachable.high[k]);
+            Some(bounder.least_j(k, range(k), range(k + 1), convex))
         })
-    };
-    let top_mps = reachable.high.iter().copied().fold(0.0, f64::max).sqrt();
-    let (min, max) = problem.envelope.range(0.0, top_mps);
-    let standing_n = hull(&mut problem.steps.iter().map(|step| formula.standing_force_n(step)));
-    let length_m = hull(&mut problem.steps.iter().map(|step| step.length_m())).high;
-    let convex_at = |price_w: f64| {
-        ConvexFrom::new(formula, price_w, top_mps, Interval::new(min, max), standing_n, length_m)
-    };
-    let mut convex = (f64::NAN, ConvexFrom { speed_mps: [f64::INFINITY; 2] });
-    let is_table = !problem.envelope.is_constant();
-    for k in 0..steps {
-        let price_w = solution.step_price_w[k];
-        if convex.0.to_bits() != price_w.to_bits() {
-            convex = (price_w, convex_at(price_w));
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("convex {convex:?}"); }
-        }
-        let shares = shares(problem, formula, k, z[k], z[k + 1]);
-        let cost = StepCost {
-            convex: convex.1,
-            problem,
-            formula,
-            step: k,
-            price_w,
-            potential: [solution.potential[k], solution.potential[k + 1]],
-            accel_multiplier: if is_table { solution.accel_multiplier[k] } else { [0.0; 2] },
-            at: [z[k], onto_kink(problem, formula, reachable, k, [z[k], z[k + 1]], shares)],
-            shares,
-            tolerance_j: tolerance_j / steps as f64,
-            most_cells: 400,
-        };
-        let range = |k: usize| Interval::new(reachable.low[k], reachable.high[k]);
-        let (least, used) = cost.least_j(range(k), range(k + 1));
-        if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
-            let g = cost.cost_j(z[k], z[k + 1]);
-            eprintln!("step {k:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} cells {used} shares {:?}", problem.steps[k].length_m(), z[k].sqrt(), z[k+1].sqrt(), reachable.low[k].sqrt(), reachable.high[k].sqrt(), g - least, cost.shares);
-        }
-        cells += used;
-        add(least);
-    }
+        .collect();
+    least.iter().for_each(|least| sum.add(*least));
     // Ends are given: what the potentials take there is added again.
     let p = &solution.potential;
     for (node, sign) in [(0, -1.0), (steps, 1.0)] {
         let end = sign * p[node];
         let z = if end >= 0.0 { reachable.low[node] } else { reachable.high[node] };
-        add(end * z);
+        sum.add(end * z);
     }
-    for k in 0..steps {
+    for (k, &dwell_s) in problem.columns.dwell_s.iter().enumerate().take(steps) {
         // The dwell at a node is priced like the step after it.
-        let dwell_s = problem.columns.dwell_s[k];
         if dwell_s > 0.0 {
-            add((problem.standing_power_w(k) + solution.step_price_w[k]) * dwell_s);
+            sum.add((problem.standing_power_w(k) + solution.step_price_w[k]) * dwell_s);
         }
     }
-    add(0.0);
+    sum.add(-task.price_w * time_s);
     for (bound, multiplier) in task.time_bounds.iter().zip(&solution.multipliers_w) {
         let sign = if bound.at_most { -1.0 } else { 1.0 };
-        add(sign * multiplier * bound.time_s);
+        sum.add(sign * multiplier * bound.time_s);
     }
-    (sum - ROUNDING * magnitude, cells)
+    let standing_extra_j = may_stand
+        .iter()
+        .map(|&node| {
+            let waiting_w =
+                problem.standing_power_w(node) + task.price_of_wait(node, &solution.multipliers_w);
+            if waiting_w < 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            let still = Interval::point(0.0);
+            let range = |k: usize| Interval::new(problem.min_z[k], reachable.high[k]);
+            let stopping = bounder.least_j(node - 1, range(node - 1), still, &mut None);
+            let starting = bounder.least_j(node, still, range(node + 1), &mut None);
+            stopping + starting - least[node - 1] - least[node]
+        })
+        .collect();
+    Bound {
+        energy_j: sum.value - ROUNDING * sum.magnitude,
+        standing_extra_j,
+    }
 }
 
-/// The squared speed at the end of a step that lies on a kink: moved onto it, where the box allows.
-fn onto_kink(
-    problem: &Problem,
-    formula: &StepFormula,
-    reachable: &Reachable,
-    step: usize,
-    [from, to]: [f64; 2],
-    [propulsion, regeneration, friction]: [f64; 3],
-) -> f64 {
-    let inside = |share: f64| share > 2.0 && share < 1.0;
-    let braked = inside(friction);
-    if !braked && !(inside(propulsion) && inside(regeneration)) {
-        return to;
+#[derive(Default)]
+struct Sum {
+    value: f64,
+    magnitude: f64,
+}
+
+impl Sum {
+    fn add(&mut self, value: f64) {
+        self.value += value;
+        self.magnitude += value.abs();
     }
-    let road = &problem.steps[step];
-    let mut moved = to;
-    for _ in 0..4 {
-        let w = mean_speed(from, moved);
-        let limit = if braked { formula.regeneration_limit_n(w) } else { 0.0 };
-        let air = (formula.linear_n_per_mps + formula.quadratic_n_per_mps2 * w) * w;
-        let accel = -(limit + formula.standing_force_n(road) + air) / formula.effective_mass_kg;
-        moved = from + 2.0 * road.length_m() * accel;
-        if !(reachable.low[step + 1] <= moved && moved <= reachable.high[step + 1]) {
-            return to;
+}
+
+/// What the minima of all steps have in common.
+struct Bounder<'a> {
+    problem: &'a Problem<'a>,
+    formula: &'a StepFormula,
+    solution: &'a Solution,
+    tolerance_j: f64,
+    top_mps: f64,
+    accel: Interval,
+    standing_n: Interval,
+    longest_m: f64,
+}
+
+impl<'a> Bounder<'a> {
+    fn new(
+        problem: &'a Problem,
+        formula: &'a StepFormula,
+        reachable: &'a Reachable,
+        solution: &'a Solution,
+        tolerance_j: f64,
+    ) -> Self {
+        let top_mps = reachable.high.iter().copied().fold(0.0, f64::max).sqrt();
+        let (min, max) = problem.envelope.range(0.0, top_mps);
+        let steps = problem.steps.iter();
+        Self {
+            problem,
+            formula,
+            solution,
+            tolerance_j: tolerance_j / problem.steps.len() as f64,
+            top_mps,
+            accel: Interval::new(min, max),
+            standing_n: Interval::hull(steps.clone().map(|step| formula.standing_force_n(step))),
+            longest_m: steps.map(ev_energy::RoadStep::length_m).fold(0.0, f64::max),
         }
     }
-    moved
+
+    /// The least cost of a step between squared speeds; `convex` is what was found for the price of the step before.
+    fn least_j(
+        &self,
+        step: usize,
+        from: Interval,
+        to: Interval,
+        convex: &mut Option<(f64, ConvexFrom)>,
+    ) -> f64 {
+        let (problem, formula, solution) = (self.problem, self.formula, self.solution);
+        let price_w = solution.step_price_w[step];
+        let found = convex.filter(|(at, _)| at.to_bits() == price_w.to_bits());
+        let (_, from_mps) = *convex.insert(found.unwrap_or_else(|| {
+            let convex = ConvexFrom::new(
+                formula,
+                price_w,
+                self.top_mps,
+                self.accel,
+                self.standing_n,
+                self.longest_m,
+            );
+            (price_w, convex)
+        }));
+        // At another end than the plan's, the nearest point.
+        let at = [
+            solution.z[step].clamp(from.low, from.high),
+            solution.z[step + 1].clamp(to.low, to.high),
+        ];
+        let cost = StepCost {
+            convex: from_mps,
+            problem,
+            formula,
+            step,
+            price_w,
+            potential: [solution.potential[step], solution.potential[step + 1]],
+            accel_multiplier: if problem.envelope.is_constant() {
+                [0.0; 2]
+            } else {
+                solution.accel_multiplier[step]
+            },
+            at,
+            shares: shares(problem, formula, step, at[0], at[1]),
+            tolerance_j: self.tolerance_j,
+            most_cells: MOST_CELLS,
+        };
+        cost.least_j(from, to)
+    }
 }
 
 /// How much of each branch the rounded cost takes at a point.
