@@ -316,6 +316,7 @@ impl<'a> InteriorPoint<'a> {
                 converged = true;
                 break;
             }
+            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} late {late:.2e}", self.barrier_j, step.decrement_j, self.passing_s.last().unwrap_or(&0.0)); }
             let average_j = self.complementarity();
             let factor = if taken > 0.8 { 0.3 } else if taken > 0.3 { 0.6 } else { 0.9 };
             if step.decrement_j < 40.0 * (self.barrier_j * self.steps.len() as f64).max(1e-6) {

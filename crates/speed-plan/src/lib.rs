@@ -10,6 +10,7 @@ mod outcome;
 mod plan;
 mod problem;
 mod reachable;
+mod road;
 mod search;
 mod tridiagonal;
 
@@ -19,6 +20,7 @@ pub use error::Error;
 pub use outcome::Obstacle;
 pub use problem::{Columns, NO_LEADER_S, Problem, Signal};
 
+pub use road::{Leader, Road};
 pub use plan::{Answer, Arrival, Demand, Plan, Proof, Settings};
 
 /// Plans.

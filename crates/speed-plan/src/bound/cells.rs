@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use ev_energy::{RoadStep, StepFormula};
 
 use super::curvature::{
-    Bend, Branch, ConvexFrom, Patch, below_from, bend, is_below, largest_regeneration,
+    Bend, Branch, Convexity, Patch, below_from, bend, is_below, largest_regeneration,
 };
 use super::interval::Interval;
 use crate::problem::{Problem, mean_speed};
@@ -20,7 +20,7 @@ pub(super) struct StepCost<'a> {
     pub(super) step: usize,
     pub(super) price_w: f64,
     /// Where the branches are known to be convex at that price.
-    pub(super) convex: ConvexFrom,
+    pub(super) convexity: Option<&'a Convexity>,
     /// Potentials of both ends, J/(m²/s²).
     pub(super) potential: [f64; 2],
     /// Multipliers of the largest and the smallest acceleration of the envelope, J/(m/s²); used where it is a table.
@@ -148,25 +148,21 @@ impl StepCost<'_> {
         best
     }
 
-    /// The tangent plane at the plan where the cost is convex, and flat bounds for what is slower.
+    /// The tangent plane at the plan where the cost is convex, and flat bounds for what is slower or accelerates more.
     fn least_at_once(&self, from: Interval, to: Interval, lines: &Lines) -> Option<f64> {
-        let [propulsion, regeneration, friction] = self.shares;
-        let branch_from = |share: f64, k: usize| if share > 0.0 { self.convex.speed_mps[k] } else { 0.0 };
-        let convex_from = branch_from(propulsion, 0).max(branch_from(regeneration, 1));
-        let known = friction <= 0.0 && self.linear_in_w(lines) == 0.0;
-        let cell = self.within_accelerations(Cell { from, to })?;
-        let w = self.mean(&cell);
-        if !known || convex_from >= mean_speed(self.at[0], self.at[1]) {
+        if self.linear_in_w(lines) != 0.0 {
             return None;
         }
+        let cell = self.within_accelerations(Cell { from, to })?;
+        let w = self.mean(&cell);
         let (min, max) = self.problem.envelope.range(w.low, w.high);
-        let accel = Interval::new(min, max);
+        let convex = self.convexity?.part(w.high, self.shares, self.accel(self.at[0], self.at[1]))?;
         let formula = self.formula;
         let air = (w * formula.quadratic_n_per_mps2 + Interval::point(formula.linear_n_per_mps)) * w;
         let resistance_n = formula.standing_force_n(self.road()) + air.low.min(0.0);
         let below_from = below_from(formula, self.road().length_m(), min, resistance_n);
-        let fast = Interval::new(convex_from.max(below_from).max(w.low), w.high);
-        if fast.low >= mean_speed(self.at[0], self.at[1]) {
+        let from_mps = convex.from_mps.max(below_from).max(w.low);
+        if from_mps >= mean_speed(self.at[0], self.at[1]) {
             return None;
         }
         let mut tangent = Tangent::default();
@@ -178,22 +174,39 @@ impl StepCost<'_> {
         tangent.value += self.potential_j(self.at[0], self.at[1]);
         tangent.gradient[0] += self.potential[0];
         tangent.gradient[1] -= self.potential[1];
-        let mut least = tangent.value + self.lowest_linear(&cell, accel, self.at, tangent.gradient);
-        let mut high = fast.low;
+        let gentle = Interval::new(min, convex.accel_mps2.min(max));
+        let near = tangent.value + self.lowest_linear(&cell, gentle, self.at, tangent.gradient);
+        let slower = Interval::new(w.low, from_mps);
+        let least = near.min(self.flat_slices(&cell, slower, Interval::new(min, max), 1.15));
+        if gentle.high >= max {
+            return Some(least);
+        }
+        let faster = Interval::new(from_mps, w.high);
+        let stronger = Interval::new(gentle.high, max);
+        Some(least.min(self.flat_slices(&cell, faster, stronger, 1.05)))
+    }
+
+    /// The lowest of flat bounds over slices of the mean speed whose ends have a ratio.
+    fn flat_slices(&self, cell: &Cell, w: Interval, accel: Interval, ratio: f64) -> f64 {
+        let length_m = self.road().length_m();
+        let mut least = f64::INFINITY;
+        let mut high = w.high;
         while high > w.low {
-            let slice = Interval::new((high / 1.15).max(w.low), high);
-            let apart = accel.magnitude() * self.road().length_m() / (2.0 * slice.low);
+            let slice = Interval::new((high / ratio).max(w.low), high);
+            // No end is below 0.
+            let most = 2.0 * high * high / length_m;
+            let accel = Interval::new(accel.low.max(-most), accel.high.min(most));
+            let apart = accel.magnitude() * length_m / (2.0 * slice.low);
             let sum = Interval::new(
                 (2.0 * slice.low * slice.low).max(cell.from.low + cell.to.low),
                 (2.0 * (high * high + apart * apart)).min(cell.from.high + cell.to.high),
             );
-            // No end is below 0.
-            let most = 2.0 * high * high / self.road().length_m();
-            let accel = Interval::new(accel.low.max(-most), accel.high.min(most));
-            least = least.min(self.flat_bound(sum, slice, accel));
+            if accel.low <= accel.high {
+                least = least.min(self.flat_bound(sum, slice, accel));
+            }
             high = slice.low;
         }
-        Some(least)
+        least
     }
 
     fn patch(&self, cell: &Cell, w: Interval, accel: Interval, lines: &Lines) -> Patch {
@@ -519,12 +532,20 @@ impl StepCost<'_> {
             length_m * (spent - 2.0 * middle * accel)
         };
         let kinks = [-resistance_n / mass_kg, (-regeneration - resistance_n) / mass_kg];
+        // What copper and the resistance of the battery take at the weakest propulsion: D ≥ R P²/U0².
+        let weakest = (mass_kg * accel.low + resistance_n).max(0.0);
+        let torque = formula.propelling_nm_per_n * weakest;
+        let copper_w = formula.copper_w_per_nm2 * torque * torque;
+        let power_w = if weakest > 0.0 { up * weakest * w.low + copper_w } else { 0.0 };
+        let battery_w =
+            formula.resistance_ohm * (power_w / formula.voltage_v) * (power_w / formula.voltage_v);
+        let lost = (copper_w + battery_w) / w.high;
         let least = kinks
             .into_iter()
             .filter(|kink| accel.low < *kink && *kink < accel.high)
             .chain([accel.low, accel.high])
             .map(at)
             .fold(f64::INFINITY, f64::min);
-        length_m * idle + difference * sum + least
+        length_m * (idle + lost) + difference * sum + least
     }
 }

@@ -386,42 +386,76 @@ fn friction_piece(formula: &StepFormula, patch: &Patch, w: Interval) -> Option<B
     })
 }
 
-/// Which mean speeds the cost is convex at, whatever the force: from [`ConvexFrom::speed_mps`] of a branch up.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ConvexFrom {
-    /// By branch; infinite where there is none.
-    pub(super) speed_mps: [f64; 2],
+/// Up to which acceleration the cost is convex, by mean speed and branch.
+#[derive(Debug, Clone)]
+pub(super) struct Convexity {
+    /// Ranges of speed from the top down: the lower end of each, and the acceleration for propulsion and for regeneration.
+    ranges: Vec<(f64, [f64; 2])>,
 }
 
-/// Ratio of the ends of the ranges of speed that are looked at, and how often one is halved by force or speed at most.
-const SPEED_RATIO: f64 = 1.15;
-const DEEPEST: usize = 11;
+/// A convex set of motions of a step: no slower, no stronger acceleration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ConvexPart {
+    pub(super) from_mps: f64,
+    pub(super) accel_mps2: f64,
+}
 
-impl ConvexFrom {
-    /// At a price of time, up to a speed, between two accelerations and two slopes given as the forces `A cos θ + m g sin θ`, for steps
-    /// up to a length.
-    pub(super) fn new(
-        formula: &StepFormula,
-        price_w: f64,
-        top_mps: f64,
-        accel: Interval,
-        standing_n: Interval,
-        length_m: f64,
-    ) -> Self {
-        let lowest = |branch| {
-            let mut high = top_mps;
-            while high > 0.3 {
-                let w = Interval::new(high / SPEED_RATIO, high);
-                if !is_convex(formula, branch, price_w, w, accel, standing_n, length_m) {
-                    break;
-                }
-                high = w.low;
-            }
-            if high < top_mps { high } else { f64::INFINITY }
-        };
-        Self {
-            speed_mps: [Branch::Propulsion, Branch::Regeneration].map(lowest),
+/// What all steps of a road have in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ranges {
+    pub(super) top_mps: f64,
+    pub(super) accel: Interval,
+    /// `A cos θ + m g sin θ`, N.
+    pub(super) standing_n: Interval,
+    pub(super) longest_m: f64,
+}
+
+/// Ratio of the ends of the ranges of speed that are looked at, how often one is halved by force or speed at most, and the shares of
+/// the largest acceleration that are tried.
+const SPEED_RATIO: f64 = 1.15;
+const DEEPEST: usize = 9;
+const ACCEL_SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.4, 0.2];
+const SLOWEST_MPS: f64 = 0.3;
+
+impl Convexity {
+    /// At a price of time.
+    pub(super) fn new(formula: &StepFormula, price_w: f64, ranges: &Ranges) -> Self {
+        let mut found = Vec::new();
+        let mut high = ranges.top_mps;
+        while high > SLOWEST_MPS {
+            let w = Interval::new(high / SPEED_RATIO, high);
+            let up_to = |branch| {
+                let share = ACCEL_SHARES.into_iter().find(|share| {
+                    let accel = Interval::new(ranges.accel.low, share * ranges.accel.high);
+                    is_convex(formula, branch, price_w, w, accel, ranges)
+                });
+                share.map_or(f64::NEG_INFINITY, |share| share * ranges.accel.high)
+            };
+            found.push((w.low, [Branch::Propulsion, Branch::Regeneration].map(up_to)));
+            high = w.low;
         }
+        Self { ranges: found }
+    }
+
+    /// The part that reaches down the furthest from a speed with an acceleration in it, for weighted branches; `None` where the cost
+    /// is not known to be convex there.
+    pub(super) fn part(&self, top_mps: f64, shares: [f64; 3], accel_mps2: f64) -> Option<ConvexPart> {
+        if shares[2] > 0.0 {
+            return None;
+        }
+        let mut part: Option<ConvexPart> = None;
+        for (from_mps, up_to) in self.ranges.iter().filter(|range| range.0 < top_mps) {
+            let of_branch = |k: usize| if shares[k] > 0.0 { up_to[k] } else { f64::INFINITY };
+            let here = of_branch(0).min(of_branch(1));
+            if here < accel_mps2 {
+                break;
+            }
+            part = Some(ConvexPart {
+                from_mps: *from_mps,
+                accel_mps2: part.map_or(here, |part| part.accel_mps2.min(here)),
+            });
+        }
+        part
     }
 }
 
@@ -431,9 +465,9 @@ fn is_convex(
     price_w: f64,
     w: Interval,
     accel: Interval,
-    standing_n: Interval,
-    length_m: f64,
+    ranges: &Ranges,
 ) -> bool {
+    let Ranges { standing_n, longest_m: length_m, .. } = *ranges;
     let air = |w: Interval| {
         (w * formula.quadratic_n_per_mps2 + Interval::point(formula.linear_n_per_mps)) * w
     };

@@ -19,7 +19,7 @@ use crate::interior_point::{Solution, Task};
 use crate::problem::{Problem, mean_speed};
 use crate::reachable::Reachable;
 use cells::StepCost;
-use curvature::ConvexFrom;
+use curvature::{Convexity, Ranges};
 use interval::Interval;
 
 /// Taken off for rounding, as a share of all magnitudes that were summed.
@@ -118,10 +118,7 @@ struct Bounder<'a> {
     formula: &'a StepFormula,
     solution: &'a Solution,
     tolerance_j: f64,
-    top_mps: f64,
-    accel: Interval,
-    standing_n: Interval,
-    longest_m: f64,
+    ranges: Ranges,
 }
 
 impl<'a> Bounder<'a> {
@@ -140,10 +137,14 @@ impl<'a> Bounder<'a> {
             formula,
             solution,
             tolerance_j: tolerance_j / problem.steps.len() as f64,
-            top_mps,
-            accel: Interval::new(min, max),
-            standing_n: Interval::hull(steps.clone().map(|step| formula.standing_force_n(step))),
-            longest_m: steps.map(ev_energy::RoadStep::length_m).fold(0.0, f64::max),
+            ranges: Ranges {
+                top_mps,
+                accel: Interval::new(min, max),
+                standing_n: Interval::hull(
+                    steps.clone().map(|step| formula.standing_force_n(step)),
+                ),
+                longest_m: steps.map(ev_energy::RoadStep::length_m).fold(0.0, f64::max),
+            },
         }
     }
 
@@ -153,29 +154,22 @@ impl<'a> Bounder<'a> {
         step: usize,
         from: Interval,
         to: Interval,
-        convex: &mut Option<(f64, ConvexFrom)>,
+        convex: &mut Option<(f64, Convexity)>,
     ) -> f64 {
         let (problem, formula, solution) = (self.problem, self.formula, self.solution);
         let price_w = solution.step_price_w[step];
-        let found = convex.filter(|(at, _)| at.to_bits() == price_w.to_bits());
-        let (_, from_mps) = *convex.insert(found.unwrap_or_else(|| {
-            let convex = ConvexFrom::new(
-                formula,
-                price_w,
-                self.top_mps,
-                self.accel,
-                self.standing_n,
-                self.longest_m,
-            );
-            (price_w, convex)
-        }));
+        if convex.as_ref().is_none_or(|(at, _)| at.to_bits() != price_w.to_bits()) {
+            *convex = Some((price_w, Convexity::new(formula, price_w, &self.ranges)));
+            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("convexity {convex:?} {:?}", self.ranges); }
+        }
+        let convexity = convex.as_ref().map(|(_, convexity)| convexity);
         // At another end than the plan's, the nearest point.
         let at = [
             solution.z[step].clamp(from.low, from.high),
             solution.z[step + 1].clamp(to.low, to.high),
         ];
         let cost = StepCost {
-            convex: from_mps,
+            convexity,
             problem,
             formula,
             step,
@@ -191,7 +185,12 @@ impl<'a> Bounder<'a> {
             tolerance_j: self.tolerance_j,
             most_cells: MOST_CELLS,
         };
-        cost.least_j(from, to)
+        let least = cost.least_j(from, to);
+        if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
+            let g = cost.cost_j(at[0], at[1]);
+            if g - least > 0.1 { eprintln!("step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?}", problem.steps[step].length_m(), at[0].sqrt(), at[1].sqrt(), from.low.sqrt(), from.high.sqrt(), to.low.sqrt(), to.high.sqrt(), g - least, cost.shares); }
+        }
+        least
     }
 }
 
