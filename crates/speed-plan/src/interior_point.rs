@@ -85,12 +85,14 @@ pub(crate) struct Solution {
     pub(crate) potential: Vec<f64>,
     /// Multipliers of the largest and the smallest acceleration of every step, J/(m/s²).
     pub(crate) accel_multiplier: Vec<[f64; 2]>,
+    /// Width of rounded kinks at the end, N.
+    pub(crate) kink_width_n: f64,
     pub(crate) iterations: usize,
     pub(crate) converged: bool,
 }
 
 /// Width of rounded kinks at the end, N.
-pub(crate) const LEAST_WIDTH_N: f64 = 0.02;
+const LEAST_WIDTH_N: f64 = 0.02;
 
 /// Kinds of bounds on the acceleration of a step.
 const COMFORT: usize = 0;
@@ -528,6 +530,7 @@ impl<'a> InteriorPoint<'a> {
         Solution {
             waits_s: self.waits.iter().map(|wait| wait.slack).collect(),
             multipliers_w,
+            kink_width_n: self.widths().force_n,
             step_price_w,
             potential,
             accel_multiplier,

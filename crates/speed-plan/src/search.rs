@@ -85,6 +85,7 @@ pub(crate) struct Search<'a> {
     formula: StepFormula,
     demand: Demand,
     settings: Settings,
+    precision: Precision,
     started: Instant,
     solved: usize,
     best: Option<Relaxed>,
@@ -102,6 +103,7 @@ impl<'a> Search<'a> {
             formula,
             demand,
             settings,
+            precision: Precision::default(),
             started: Instant::now(),
             solved: 0,
             best: None,
@@ -128,6 +130,7 @@ impl<'a> Search<'a> {
         {
             return Ok(Answer::Obstacle(Obstacle::TooLate { earliest_arrival_s }));
         }
+        self.precision = self.precision_for(&reachable);
         let mut open = BinaryHeap::from([Part {
             visits: vec![
                 Visit {
@@ -172,6 +175,17 @@ impl<'a> Search<'a> {
         }
         left_j = open.iter().map(|part| part.bound_j).fold(left_j, f64::min);
         Ok(self.answer(left_j, earliest_arrival_s, &reachable))
+    }
+
+    /// A barrier that costs a twentieth of the gap that is asked for.
+    fn precision_for(&self, reachable: &Reachable) -> Precision {
+        let fastest = Drive::new(self.problem, reachable.high.clone(), &[]);
+        let gap_j = 0.01 * self.settings.max_gap_pct * fastest.scale_j();
+        let bounds = 4.0 * self.problem.nodes() as f64;
+        Precision {
+            barrier_j: (0.05 * gap_j / bounds).clamp(1e-3, 5e-2),
+            ..Precision::default()
+        }
     }
 
     fn improves(&self, drive: &Drive) -> bool {
@@ -250,7 +264,7 @@ impl<'a> Search<'a> {
         let mut barrier_j = FIRST_BARRIER_J;
         loop {
             let ip = InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)?;
-            let solution = ip.solve(Precision::default());
+            let solution = ip.solve(self.precision);
             self.solved += 1;
             let waits: Vec<(usize, f64)> =
                 task.waits.iter().copied().zip(solution.waits_s.iter().copied()).collect();

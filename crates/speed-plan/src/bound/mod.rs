@@ -25,9 +25,6 @@ use interval::Interval;
 /// Taken off for rounding, as a share of all magnitudes that were summed.
 const ROUNDING: f64 = 1e-12;
 
-/// Widths of rounded kinks at which the shares of the branches are read, N.
-const KINK_WIDTH_N: f64 = crate::interior_point::LEAST_WIDTH_N;
-
 /// Parts of one step's box that are looked at, at most.
 const MOST_CELLS: usize = 400;
 
@@ -181,7 +178,7 @@ impl<'a> Bounder<'a> {
                 solution.accel_multiplier[step]
             },
             at,
-            shares: shares(problem, formula, step, at[0], at[1]),
+            shares: shares(problem, formula, step, at, solution.kink_width_n),
             tolerance_j: self.tolerance_j,
             most_cells: MOST_CELLS,
         };
@@ -194,19 +191,25 @@ impl<'a> Bounder<'a> {
     }
 }
 
-/// How much of each branch the rounded cost takes at a point.
-fn shares(problem: &Problem, formula: &StepFormula, step: usize, from: f64, to: f64) -> [f64; 3] {
+/// How much of each branch the rounded cost takes at a point, as the interior point rounds it.
+fn shares(
+    problem: &Problem,
+    formula: &StepFormula,
+    step: usize,
+    [from, to]: [f64; 2],
+    width_n: f64,
+) -> [f64; 3] {
     let road = &problem.steps[step];
     let w = mean_speed(from, to);
     let accel = (to - from) / (2.0 * road.length_m());
     let force = formula.effective_mass_kg * accel
         + formula.standing_force_n(road)
         + (formula.linear_n_per_mps + formula.quadratic_n_per_mps2 * w) * w;
-    let share = |x: f64| 0.5 * (1.0 + x / x.hypot(KINK_WIDTH_N));
+    let share = |x: f64| 0.5 * (1.0 + x / x.hypot(width_n));
     let limit = formula.regeneration_limit_n(w);
     let above = force + limit;
     let free = share(above);
-    let motor = 0.5 * (above + above.hypot(KINK_WIDTH_N)) - limit;
+    let motor = 0.5 * (above + above.hypot(width_n)) - limit;
     let propelled = share(motor);
     let clean = |share: f64| if share < 1e-7 { 0.0 } else { share };
     let [p, r, f] = [free * propelled, free * (1.0 - propelled), 1.0 - free].map(clean);
