@@ -3,6 +3,7 @@
 mod bound;
 mod case;
 mod drive;
+mod dynamic;
 mod envelope;
 mod error;
 mod interior_point;

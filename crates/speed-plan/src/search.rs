@@ -16,7 +16,7 @@ use crate::problem::Problem;
 use crate::reachable::Reachable;
 
 /// Problems that are solved at most.
-const MOST_SOLVED: usize = 400;
+const MOST_SOLVED: usize = 60;
 
 /// Share of the accelerations at the first plan of the interior point.
 const GENTLE: f64 = 0.7;
@@ -74,6 +74,7 @@ struct Relaxed {
     drive: Drive,
     bound_j: f64,
     standing_extra_j: Vec<f64>,
+    weakest: (usize, f64),
     solution: Solution,
     reachable: Reachable,
     task: Task,
@@ -266,9 +267,16 @@ impl<'a> Search<'a> {
             let ip = InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)?;
             let solution = ip.solve(self.precision);
             self.solved += 1;
+            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("ip {} converged {}", solution.iterations, solution.converged); }
             let waits: Vec<(usize, f64)> =
                 task.waits.iter().copied().zip(solution.waits_s.iter().copied()).collect();
             let drive = Drive::new(problem, solution.z.clone(), &waits);
+            if std::env::var_os("SPEED_PLAN_DP").is_some() {
+                let t0 = Instant::now();
+                let path = crate::dynamic::cheapest(problem, &reachable, &solution.step_price_w, 3);
+                let own: f64 = drive.step_energy_j.iter().sum::<f64>() + (0..problem.steps.len()).map(|k| solution.step_price_w[k] * problem.steps[k].length_m() / crate::problem::mean_speed(drive.z[k], drive.z[k+1])).sum::<f64>();
+                eprintln!("ip cost {own:.2} t {:.3} dp {:?} in {:?}", drive.time_s(), path.map(|p| (p.cost_j, *Drive::new(problem, p.speed_mps.iter().map(|v| v*v).collect(), &waits).arrival_s.last().unwrap())), t0.elapsed());
+            }
             let behind = self.too_close(&drive);
             if behind.is_empty() || task.time_bounds.len() > 200 || self.solved >= MOST_SOLVED {
                 let feasible = behind.is_empty() && keeps(&task, &drive);
@@ -286,6 +294,7 @@ impl<'a> Search<'a> {
                     drive,
                     bound_j: bound.energy_j,
                     standing_extra_j: bound.standing_extra_j,
+                    weakest: bound.weakest,
                     solution,
                     reachable,
                     task,
@@ -375,22 +384,20 @@ impl<'a> Search<'a> {
         if !relaxed.feasible && relaxed.solution.converged {
             return Vec::new();
         }
-        let heaviest = relaxed
-            .task
-            .time_bounds
-            .iter()
-            .zip(&relaxed.solution.multipliers_w)
-            .filter(|(bound, _)| !bound.at_most && !relaxed.reachable.is_fixed(bound.node))
-            .max_by(|a, b| a.1.total_cmp(b.1));
-        let Some((bound, _)) = heaviest else {
-            return Vec::new();
+        let (step, loss_j) = relaxed.weakest;
+        let width = |node: usize| {
+            relaxed.reachable.high[node].sqrt() - relaxed.reachable.low[node].sqrt()
         };
-        let node = bound.node;
+        let node = if width(step) >= width(step + 1) { step } else { step + 1 };
+        if loss_j <= 0.0 {
+            return Vec::new();
+        }
         let (low, high) = (relaxed.reachable.low[node].sqrt(), relaxed.reachable.high[node].sqrt());
         if high - low < 0.02 {
             return Vec::new();
         }
-        let middle = (0.5 * (low + high)) * (0.5 * (low + high));
+        let planned = relaxed.drive.z[node].sqrt();
+        let middle = planned.clamp(low + 0.2 * (high - low), high - 0.2 * (high - low)).powi(2);
         let within = |least: f64, most: f64| {
             let mut child = part.clone();
             child.cuts.push((node, least, most));

@@ -11,6 +11,9 @@ use super::curvature::{
 use super::interval::Interval;
 use crate::problem::{Problem, mean_speed};
 
+/// Ratio of the ends of slices of the mean speed.
+const SLICE_RATIO: f64 = 1.08;
+
 const BRANCHES: [Branch; 3] = [Branch::Propulsion, Branch::Regeneration, Branch::Friction];
 
 /// One step with what is charged for it.
@@ -34,11 +37,13 @@ pub(super) struct StepCost<'a> {
     pub(super) most_cells: usize,
 }
 
-/// Squared speeds at both ends.
+/// Squared speeds at both ends, and the mean speeds and accelerations that are looked at.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     from: Interval,
     to: Interval,
+    w: Interval,
+    accel: Interval,
 }
 
 /// A cell that may still hold the least, the lowest bound first.
@@ -116,20 +121,29 @@ impl StepCost<'_> {
     pub(super) fn least_j(&self, from: Interval, to: Interval) -> f64 {
         let lines = self.lines();
         let mut best = self.cost_j(self.at[0], self.at[1]);
-        if let Some(least) = self.least_at_once(from, to, &lines)
-            && least >= best - self.tolerance_j
-        {
-            return least;
-        }
-        let mut open = BinaryHeap::from([Open {
-            bound: f64::NEG_INFINITY,
-            cell: Cell { from, to },
-        }]);
+        let Some(whole) = self.within_accelerations(Cell {
+            from,
+            to,
+            w: Interval::new(0.0, f64::INFINITY),
+            accel: Interval::new(f64::NEG_INFINITY, f64::INFINITY),
+        }) else {
+            // Nothing can be driven: any number is below it.
+            return best;
+        };
+        let (near, rest) = self.convex_part(&whole, &lines);
+        let mut open: BinaryHeap<Open> = rest
+            .into_iter()
+            .filter_map(|cell| self.within_accelerations(cell))
+            .map(|cell| Open {
+                bound: self.flat_slices(&cell),
+                cell,
+            })
+            .collect();
         let mut cells = 0;
         // The cell with the lowest bound first: when it is near enough to the best that was seen, all are.
         while let Some(Open { bound, cell }) = open.pop() {
-            if bound >= best - self.tolerance_j || cells >= self.most_cells {
-                return bound;
+            if bound >= near.min(best - self.tolerance_j) || cells >= self.most_cells {
+                return near.min(bound);
             }
             for half in self.halves(cell) {
                 let Some(half) = self.within_accelerations(half) else {
@@ -144,26 +158,31 @@ impl StepCost<'_> {
                 });
             }
         }
-        // Nothing can be driven: any number is below it.
-        best
+        near.min(best)
     }
 
-    /// The tangent plane at the plan where the cost is convex, and flat bounds for what is slower or accelerates more.
-    fn least_at_once(&self, from: Interval, to: Interval, lines: &Lines) -> Option<f64> {
+    /// The least where the cost is convex, by the tangent plane at the plan, and what is left: what is slower or accelerates more.
+    fn convex_part(&self, cell: &Cell, lines: &Lines) -> (f64, Vec<Cell>) {
+        let nothing = || (f64::INFINITY, vec![*cell]);
         if self.linear_in_w(lines) != 0.0 {
-            return None;
+            return nothing();
         }
-        let cell = self.within_accelerations(Cell { from, to })?;
-        let w = self.mean(&cell);
-        let (min, max) = self.problem.envelope.range(w.low, w.high);
-        let convex = self.convexity?.part(w.high, self.shares, self.accel(self.at[0], self.at[1]))?;
+        let [from, to] = self.at;
+        let convexity = self.convexity.and_then(|convexity| {
+            convexity.part(cell.w.high, self.shares, self.accel(from, to))
+        });
+        let Some(convex) = convexity else {
+            return nothing();
+        };
         let formula = self.formula;
-        let air = (w * formula.quadratic_n_per_mps2 + Interval::point(formula.linear_n_per_mps)) * w;
+        let (b, c) = (formula.linear_n_per_mps, formula.quadratic_n_per_mps2);
+        let air = (cell.w * c + Interval::point(b)) * cell.w;
         let resistance_n = formula.standing_force_n(self.road()) + air.low.min(0.0);
-        let below_from = below_from(formula, self.road().length_m(), min, resistance_n);
-        let from_mps = convex.from_mps.max(below_from).max(w.low);
-        if from_mps >= mean_speed(self.at[0], self.at[1]) {
-            return None;
+        let length_m = self.road().length_m();
+        let below_from = below_from(formula, length_m, cell.accel.low, resistance_n);
+        let from_mps = convex.from_mps.max(below_from).max(cell.w.low);
+        if from_mps >= mean_speed(from, to) {
+            return nothing();
         }
         let mut tangent = Tangent::default();
         for (branch, share) in BRANCHES.into_iter().zip(self.shares) {
@@ -171,31 +190,38 @@ impl StepCost<'_> {
                 tangent = tangent.plus(self.branch_tangent(branch, self.at), share);
             }
         }
-        tangent.value += self.potential_j(self.at[0], self.at[1]);
+        tangent.value += self.potential_j(from, to);
         tangent.gradient[0] += self.potential[0];
         tangent.gradient[1] -= self.potential[1];
-        let gentle = Interval::new(min, convex.accel_mps2.min(max));
-        let near = tangent.value + self.lowest_linear(&cell, gentle, self.at, tangent.gradient);
-        let slower = Interval::new(w.low, from_mps);
-        let least = near.min(self.flat_slices(&cell, slower, Interval::new(min, max), 1.15));
-        if gentle.high >= max {
-            return Some(least);
+        let gentle = Interval::new(cell.accel.low, convex.accel_mps2.min(cell.accel.high));
+        let near = tangent.value + self.lowest_linear(cell, gentle, self.at, tangent.gradient);
+        let mut rest = Vec::with_capacity(2);
+        if from_mps > cell.w.low {
+            rest.push(Cell {
+                w: Interval::new(cell.w.low, from_mps),
+                ..*cell
+            });
         }
-        let faster = Interval::new(from_mps, w.high);
-        let stronger = Interval::new(gentle.high, max);
-        Some(least.min(self.flat_slices(&cell, faster, stronger, 1.05)))
+        if gentle.high < cell.accel.high {
+            rest.push(Cell {
+                w: Interval::new(from_mps, cell.w.high),
+                accel: Interval::new(gentle.high, cell.accel.high),
+                ..*cell
+            });
+        }
+        (near, rest)
     }
 
-    /// The lowest of flat bounds over slices of the mean speed whose ends have a ratio.
-    fn flat_slices(&self, cell: &Cell, w: Interval, accel: Interval, ratio: f64) -> f64 {
+    /// The lowest of flat bounds over slices of the mean speed.
+    fn flat_slices(&self, cell: &Cell) -> f64 {
         let length_m = self.road().length_m();
         let mut least = f64::INFINITY;
-        let mut high = w.high;
-        while high > w.low {
-            let slice = Interval::new((high / ratio).max(w.low), high);
+        let mut high = cell.w.high;
+        while high > cell.w.low {
+            let slice = Interval::new((high / SLICE_RATIO).max(cell.w.low), high);
             // No end is below 0.
             let most = 2.0 * high * high / length_m;
-            let accel = Interval::new(accel.low.max(-most), accel.high.min(most));
+            let accel = Interval::new(cell.accel.low.max(-most), cell.accel.high.min(most));
             let apart = accel.magnitude() * length_m / (2.0 * slice.low);
             let sum = Interval::new(
                 (2.0 * slice.low * slice.low).max(cell.from.low + cell.to.low),
@@ -209,18 +235,26 @@ impl StepCost<'_> {
         least
     }
 
-    fn patch(&self, cell: &Cell, w: Interval, accel: Interval, lines: &Lines) -> Patch {
+    /// All motions on the way from a point of a cell's rectangle to any of its motions: cuts by speed or acceleration leave no convex set
+    /// with the point in it.
+    fn hull(&self, cell: &Cell, at: [f64; 2], lines: &Lines) -> Patch {
         let formula = self.formula;
         let (b, c) = (formula.linear_n_per_mps, formula.quadratic_n_per_mps2);
+        let w = Interval::new(
+            mean_speed(cell.from.low, cell.to.low),
+            mean_speed(cell.from.high, cell.to.high),
+        );
+        let own = self.accel(at[0], at[1]);
+        let accel = Interval::new(cell.accel.low.min(own), cell.accel.high.max(own));
         let air = (w * c + Interval::point(b)) * w;
         let standing_n = formula.standing_force_n(self.road());
-        let is_given = |range: Interval| range.high - range.low <= 0.0;
-        let one_ended = is_given(cell.from) || is_given(cell.to);
+        // From or to standstill σ is linear in the other end.
+        let is_still = cell.from.high <= 0.0 || cell.to.high <= 0.0;
         Patch {
             w,
             force: accel * formula.effective_mass_kg + air + Interval::point(standing_n),
             accel,
-            speed_product: (!one_ended).then(|| (cell.from.low * cell.to.low).sqrt()),
+            speed_product: (!is_still).then(|| (cell.from.low * cell.to.low).sqrt()),
             length_m: self.road().length_m(),
             price_w: self.price_w,
             linear_in_w: self.linear_in_w(lines),
@@ -238,11 +272,12 @@ impl StepCost<'_> {
         }
     }
 
-    /// Cuts off what no allowed acceleration reaches; `None` where nothing is left.
+    /// Cuts off what no acceleration of the cell reaches; `None` where nothing is left.
     fn within_accelerations(&self, cell: Cell) -> Option<Cell> {
         let reach = 2.0 * self.road().length_m();
         let w = self.mean(&cell);
         let (min, max) = self.problem.envelope.range(w.low, w.high);
+        let (min, max) = (min.max(cell.accel.low), max.min(cell.accel.high));
         let slack = 1e-12 * (1.0 + cell.to.high);
         let to = Interval::new(
             cell.to.low.max(cell.from.low + reach * min - slack),
@@ -252,13 +287,26 @@ impl StepCost<'_> {
             cell.from.low.max(to.low - reach * max - slack),
             cell.from.high.min(to.high - reach * min + slack),
         );
-        (to.low <= to.high && from.low <= from.high).then_some(Cell { from, to })
+        let cut = Cell {
+            from,
+            to,
+            accel: Interval::new(
+                min.max(self.accel(from.high, to.low)),
+                max.min(self.accel(from.low, to.high)),
+            ),
+            ..cell
+        };
+        if to.low > to.high || from.low > from.high {
+            return None;
+        }
+        let w = self.mean(&cut);
+        (w.low <= w.high && cut.accel.low <= cut.accel.high).then_some(Cell { w, ..cut })
     }
 
     fn mean(&self, cell: &Cell) -> Interval {
         Interval::new(
-            mean_speed(cell.from.low, cell.to.low),
-            mean_speed(cell.from.high, cell.to.high),
+            mean_speed(cell.from.low, cell.to.low).max(cell.w.low),
+            mean_speed(cell.from.high, cell.to.high).min(cell.w.high),
         )
     }
 
@@ -279,20 +327,15 @@ impl StepCost<'_> {
 
     /// A lower bound over a cell, and the least cost that was seen in it.
     fn bound(&self, cell: &Cell, lines: &Lines) -> (f64, f64) {
-        let w = self.mean(cell);
-        if w.low <= 0.0 {
+        let (w, accel) = (cell.w, cell.accel);
+        if mean_speed(cell.from.low, cell.to.low) <= 0.0 {
             // Only a step from and to standstill: it is never driven.
             return (f64::NEG_INFINITY, f64::INFINITY);
         }
-        let (min, max) = self.problem.envelope.range(w.low, w.high);
-        let accel = Interval::new(
-            self.accel(cell.from.high, cell.to.low).max(min),
-            self.accel(cell.from.low, cell.to.high).min(max),
-        );
         let sum = Interval::new(cell.from.low + cell.to.low, cell.from.high + cell.to.high);
         let flat = self.flat_bound(sum, w, accel);
-        let patch = self.patch(cell, w, accel, lines);
         let at = self.nearest(cell);
+        let patch = self.hull(cell, at, lines);
         let is_plan = at == self.at;
         let seen = if is_plan { f64::INFINITY } else { self.cost_j(at[0], at[1]) };
         // On the plan's kink its shares balance the slopes of its branches at other speeds too.
@@ -306,8 +349,7 @@ impl StepCost<'_> {
     fn nearest(&self, cell: &Cell) -> [f64; 2] {
         let from = self.at[0].clamp(cell.from.low, cell.from.high);
         let reach = 2.0 * self.road().length_m();
-        let w = self.mean(cell);
-        let (min, max) = self.problem.envelope.range(w.low, w.high);
+        let (min, max) = (cell.accel.low, cell.accel.high);
         let to = self.at[1].clamp(cell.to.low, cell.to.high);
         if from == self.at[0] && to == self.at[1] {
             return self.at;

@@ -34,6 +34,8 @@ pub(crate) struct Bound {
     pub(crate) energy_j: f64,
     /// How much more it takes to stand at each of several nodes, J; below 0 where the bound holds for passing only.
     pub(crate) standing_extra_j: Vec<f64>,
+    /// The step whose least cost lies the furthest below that of the plan, and by how much, J.
+    pub(crate) weakest: (usize, f64),
 }
 
 /// A bound with the multipliers of a solution, and what standing at some nodes that it passes would add.
@@ -50,13 +52,19 @@ pub(crate) fn lower_bound(
     let steps = problem.steps.len();
     let bounder = Bounder::new(problem, formula, reachable, solution, tolerance_j);
     let mut sum = Sum::default();
+    let mut losses_j = Vec::with_capacity(steps);
     let least: Vec<f64> = (0..steps)
         .scan(None, |convex, k| {
             let range = |k: usize| Interval::new(reachable.low[k], reachable.high[k]);
             Some(bounder.least_j(k, range(k), range(k + 1), convex))
         })
+        .map(|(least_j, loss_j)| {
+            losses_j.push(loss_j);
+            least_j
+        })
         .collect();
     least.iter().for_each(|least| sum.add(*least));
+    let weakest = losses_j.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
     // Ends are given: what the potentials take there is added again.
     let p = &solution.potential;
     for (node, sign) in [(0, -1.0), (steps, 1.0)] {
@@ -85,14 +93,15 @@ pub(crate) fn lower_bound(
             }
             let still = Interval::point(0.0);
             let range = |k: usize| Interval::new(problem.min_z[k], reachable.high[k]);
-            let stopping = bounder.least_j(node - 1, range(node - 1), still, &mut None);
-            let starting = bounder.least_j(node, still, range(node + 1), &mut None);
+            let stopping = bounder.least_j(node - 1, range(node - 1), still, &mut None).0;
+            let starting = bounder.least_j(node, still, range(node + 1), &mut None).0;
             stopping + starting - least[node - 1] - least[node]
         })
         .collect();
     Bound {
         energy_j: sum.value - ROUNDING * sum.magnitude,
         standing_extra_j,
+        weakest: weakest.unwrap_or((0, 0.0)),
     }
 }
 
@@ -145,19 +154,18 @@ impl<'a> Bounder<'a> {
         }
     }
 
-    /// The least cost of a step between squared speeds; `convex` is what was found for the price of the step before.
+    /// The least cost of a step between squared speeds and how much more it costs where the plan is; `convex` is what was found for the price of the step before.
     fn least_j(
         &self,
         step: usize,
         from: Interval,
         to: Interval,
         convex: &mut Option<(f64, Convexity)>,
-    ) -> f64 {
+    ) -> (f64, f64) {
         let (problem, formula, solution) = (self.problem, self.formula, self.solution);
         let price_w = solution.step_price_w[step];
         if convex.as_ref().is_none_or(|(at, _)| at.to_bits() != price_w.to_bits()) {
             *convex = Some((price_w, Convexity::new(formula, price_w, &self.ranges)));
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("convexity {convex:?} {:?}", self.ranges); }
         }
         let convexity = convex.as_ref().map(|(_, convexity)| convexity);
         // At another end than the plan's, the nearest point.
@@ -185,9 +193,9 @@ impl<'a> Bounder<'a> {
         let least = cost.least_j(from, to);
         if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
             let g = cost.cost_j(at[0], at[1]);
-            if g - least > 0.1 { eprintln!("step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?}", problem.steps[step].length_m(), at[0].sqrt(), at[1].sqrt(), from.low.sqrt(), from.high.sqrt(), to.low.sqrt(), to.high.sqrt(), g - least, cost.shares); }
+            if g - least > 2.0 * self.tolerance_j + 0.2 { eprintln!("step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?} price {price_w} {:?} slope {:.4}", problem.steps[step].length_m(), at[0].sqrt(), at[1].sqrt(), from.low.sqrt(), from.high.sqrt(), to.low.sqrt(), to.high.sqrt(), g - least, cost.shares, solution.accel_multiplier[step], problem.columns.slope_rad[step]); }
         }
-        least
+        (least, cost.cost_j(at[0], at[1]) - least)
     }
 }
 
