@@ -98,8 +98,16 @@ pub(crate) fn positive_part(x: f64, width: f64) -> [f64; 3] {
     let by_root = 1.0 / root;
     // Without cancellation for negative x.
     let larger = root + x.abs();
-    let value = if x > 0.0 { 0.5 * larger } else { 0.5 * square / larger };
-    [value, value * by_root, 0.5 * square * by_root * by_root * by_root]
+    let value = if x > 0.0 {
+        0.5 * larger
+    } else {
+        0.5 * square / larger
+    };
+    [
+        value,
+        value * by_root,
+        0.5 * square * by_root * by_root * by_root,
+    ]
 }
 
 impl Add for Jet {

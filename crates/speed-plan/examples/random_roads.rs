@@ -40,7 +40,12 @@ fn road(random: &mut Random) -> Road {
         limits.push((at, speeds[random.below(7)] / 3.6));
     }
     let stops = (0..random.below(21).min((length_m / 300.0) as usize))
-        .map(|_| (random.uniform(50.0, length_m - 50.0), random.uniform(0.0, 30.0)))
+        .map(|_| {
+            (
+                random.uniform(50.0, length_m - 50.0),
+                random.uniform(0.0, 30.0),
+            )
+        })
         .collect();
     let steepest = random.uniform(0.0, 0.1);
     let mut elevation = vec![(0.0, 300.0)];
@@ -60,16 +65,31 @@ fn road(random: &mut Random) -> Road {
         let cycle = random.uniform(40.0, 120.0);
         let green = cycle * random.uniform(0.2, 0.7);
         let offset = random.uniform(0.0, cycle);
-        signals.push((at, (-1..200).map(|k| f64::from(k) * cycle + offset).map(|from| [from, from + green]).collect()));
+        signals.push((
+            at,
+            (-1..200)
+                .map(|k| f64::from(k) * cycle + offset)
+                .map(|from| [from, from + green])
+                .collect(),
+        ));
     }
-    Road { length_m, limits, stops, elevation, signals, ..Road::default() }
+    Road {
+        length_m,
+        limits,
+        stops,
+        elevation,
+        signals,
+        ..Road::default()
+    }
 }
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let count: usize = arguments.next().map_or(1000, |n| n.parse().unwrap());
     let seed: u64 = arguments.next().map_or(1, |n| n.parse().unwrap());
-    let cars: Vec<Vehicle> = library::names().map(|name| Vehicle::builtin(name).unwrap()).collect();
+    let cars: Vec<Vehicle> = library::names()
+        .map(|name| Vehicle::builtin(name).unwrap())
+        .collect();
     let (mut gaps, mut times) = (Vec::new(), Vec::new());
     let mut outcomes: BTreeMap<String, usize> = BTreeMap::new();
     let only: Option<usize> = arguments.next().map(|n| n.parse().unwrap());
@@ -77,8 +97,14 @@ fn main() {
         if only.is_some_and(|only| only != k) {
             continue;
         }
-        let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(k as u64 * 7919) | 1);
-        (0..8).for_each(|_| { random.uniform(0.0, 1.0); });
+        let mut random = Random(
+            seed.wrapping_mul(0x9E37_79B9_7F4A_7C15)
+                .wrapping_add(k as u64 * 7919)
+                | 1,
+        );
+        (0..8).for_each(|_| {
+            random.uniform(0.0, 1.0);
+        });
         let road = road(&mut random);
         let car = &cars[random.below(cars.len())];
         let slack = random.uniform(1.02, 1.6);
@@ -90,7 +116,9 @@ fn main() {
             }
         };
         // A stop that falls on a light is none.
-        columns.signals.retain(|signal| columns.max_mps[signal.node] > 0.0);
+        columns
+            .signals
+            .retain(|signal| columns.max_mps[signal.node] > 0.0);
         let problem = match Problem::new(StepModel::new(car), Envelope::default(), columns) {
             Ok(problem) => problem,
             Err(error) => {
@@ -100,7 +128,9 @@ fn main() {
         };
         let settings = Settings::default();
         let latest_s = match plan(&problem, Demand::Arrival(0.0), &settings).unwrap() {
-            Answer::Obstacle(speed_plan::Obstacle::TooLate { earliest_arrival_s }) => slack * earliest_arrival_s,
+            Answer::Obstacle(speed_plan::Obstacle::TooLate { earliest_arrival_s }) => {
+                slack * earliest_arrival_s
+            }
             other => {
                 println!("road {k}: {other:?}");
                 continue;
@@ -111,16 +141,36 @@ fn main() {
         let ms = 1e3 * started.elapsed().as_secs_f64();
         let name = match &answer {
             Answer::Plan(plan) => {
-                if plan.gap_pct > 1.0 || !plan.gap_pct.is_finite() || ms > 500.0 || plan.gap_pct < -1e-6 {
-                    println!("road {k}: {} nodes {} signals gap {:.4} % {ms:.1} ms solved {} {:?} {}", problem.nodes(), problem.columns().signals.len(), plan.gap_pct, plan.solved, plan.arrival, car.spec().name);
+                if plan.gap_pct > 1.0
+                    || !plan.gap_pct.is_finite()
+                    || ms > 500.0
+                    || plan.gap_pct < -1e-6
+                {
+                    println!(
+                        "road {k}: {} nodes {} signals gap {:.4} % {ms:.1} ms solved {} {:?} {}",
+                        problem.nodes(),
+                        problem.columns().signals.len(),
+                        plan.gap_pct,
+                        plan.solved,
+                        plan.arrival,
+                        car.spec().name
+                    );
                 }
                 gaps.push(plan.gap_pct);
                 times.push(ms / problem.nodes() as f64);
                 format!("{:?}", plan.arrival)
             }
             Answer::Obstacle(obstacle) => {
-                println!("road {k}: {} nodes {} signals {obstacle:?} {ms:.1} ms latest {latest_s}", problem.nodes(), problem.columns().signals.len());
-                format!("{obstacle:?}").split(' ').next().unwrap_or("").to_owned()
+                println!(
+                    "road {k}: {} nodes {} signals {obstacle:?} {ms:.1} ms latest {latest_s}",
+                    problem.nodes(),
+                    problem.columns().signals.len()
+                );
+                format!("{obstacle:?}")
+                    .split(' ')
+                    .next()
+                    .unwrap_or("")
+                    .to_owned()
             }
         };
         *outcomes.entry(name).or_default() += 1;
@@ -128,7 +178,19 @@ fn main() {
     println!("{outcomes:?}");
     for (name, values) in [("gap_pct", &mut gaps), ("ms per node", &mut times)] {
         values.sort_by(f64::total_cmp);
-        let at = |share: f64| values.get(((values.len() as f64 - 1.0) * share) as usize).copied().unwrap_or(f64::NAN);
-        println!("{name}: median {:.6} 90 % {:.6} 99 % {:.6} 99.9 % {:.6} most {:.6}", at(0.5), at(0.9), at(0.99), at(0.999), at(1.0));
+        let at = |share: f64| {
+            values
+                .get(((values.len() as f64 - 1.0) * share) as usize)
+                .copied()
+                .unwrap_or(f64::NAN)
+        };
+        println!(
+            "{name}: median {:.6} 90 % {:.6} 99 % {:.6} 99.9 % {:.6} most {:.6}",
+            at(0.5),
+            at(0.9),
+            at(0.99),
+            at(0.999),
+            at(1.0)
+        );
     }
 }

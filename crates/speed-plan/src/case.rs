@@ -157,7 +157,10 @@ impl Case {
             green_s: signal.green,
         });
         let free_s = crate::problem::NO_LEADER_S;
-        let earliest_s = spec.earliest_passage_s.iter().map(|time_s| time_s.unwrap_or(free_s));
+        let earliest_s = spec
+            .earliest_passage_s
+            .iter()
+            .map(|time_s| time_s.unwrap_or(free_s));
         Ok(Self {
             vehicle: Vehicle::new(spec.vehicle.into_vehicle(&spec.name))?,
             columns: Columns {

@@ -35,7 +35,11 @@ impl Drive {
             step_energy_j.push(problem.model.energy_j(step, z[k].sqrt(), z[k + 1].sqrt()));
         }
         let standing = |(node, stood_s): (usize, &f64)| {
-            if *stood_s > 0.0 { problem.standing_power_w(node) * stood_s } else { 0.0 }
+            if *stood_s > 0.0 {
+                problem.standing_power_w(node) * stood_s
+            } else {
+                0.0
+            }
         };
         let energy_j = step_energy_j.iter().sum::<f64>()
             + stood_s.iter().enumerate().map(standing).sum::<f64>();

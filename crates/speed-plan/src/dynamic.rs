@@ -25,8 +25,10 @@ pub(crate) struct Path {
     pub(crate) speed_mps: Vec<f64>,
     /// Energy of all steps and time at its price, J.
     pub(crate) cost_j: f64,
-    /// Width of the last grid at every node, m/s.
-    spread_mps: Vec<f64>,
+    /// Half the width of the next tube at every node, m/s.
+    half_mps: Vec<f64>,
+    /// Slope of the cost that is left from a node on by its squared speed, J/(m²/s²).
+    pub(crate) slope: Vec<f64>,
 }
 
 /// The path of least cost at the price of time of every step, in W; refined `levels` times. `None` where none was found.
@@ -36,9 +38,13 @@ pub(crate) fn cheapest(
     step_price_w: &[f64],
     levels: usize,
 ) -> Option<Path> {
-    let grids: Vec<Vec<f64>> = edges(reachable).map(|(low, high)| even(low, high, COARSE)).collect();
+    let grids: Vec<Vec<f64>> = edges(reachable)
+        .map(|(low, high)| even(low, high, COARSE))
+        .collect();
     let mut path = best_path(problem, step_price_w, &grids)?;
-    path.spread_mps = edges(reachable).map(|(low, high)| (high - low) / COARSE as f64).collect();
+    path.half_mps = edges(reachable)
+        .map(|(low, high)| 1.5 * (high - low) / COARSE as f64)
+        .collect();
     for _ in 0..levels {
         path = refined(problem, reachable, step_price_w, path);
     }
@@ -52,7 +58,7 @@ pub(crate) fn refined(
     step_price_w: &[f64],
     mut path: Path,
 ) -> Path {
-    let half_mps: Vec<f64> = path.spread_mps.iter().map(|spread| 1.5 * spread).collect();
+    let half_mps = path.half_mps.clone();
     for _ in 0..MOST_MOVES {
         let grids = tube(reachable, &path.speed_mps, &half_mps);
         let Some(better) = best_path(problem, step_price_w, &grids) else {
@@ -63,31 +69,32 @@ pub(crate) fn refined(
             moved < 0.99 * half_mps[k] || half_mps[k] <= 0.0
         };
         let settled = (0..half_mps.len()).all(inside) || better.cost_j >= path.cost_j;
-        if better.cost_j < path.cost_j {
-            path.speed_mps = better.speed_mps;
-            path.cost_j = better.cost_j;
+        if better.cost_j <= path.cost_j {
+            path = better;
         }
         if settled {
             break;
         }
     }
-    path.spread_mps = half_mps.iter().map(|half| 2.0 * half * NARROWER).collect();
+    path.half_mps = half_mps.iter().map(|half| NARROWER * half).collect();
     path
 }
 
 impl Path {
-    /// As a path to refine, with a width of speeds in m/s.
-    pub(crate) fn around(speed_mps: Vec<f64>, spread_mps: f64) -> Self {
-        Self {
-            spread_mps: vec![spread_mps; speed_mps.len()],
-            speed_mps,
-            cost_j: f64::INFINITY,
-        }
+    /// As a path to look around for cheaper ones, up to a change of speeds in m/s.
+    pub(crate) fn around(mut self, half_mps: f64) -> Self {
+        self.half_mps.fill(half_mps);
+        self.cost_j = f64::INFINITY;
+        self
     }
 }
 
 fn edges(reachable: &Reachable) -> impl Iterator<Item = (f64, f64)> {
-    reachable.low.iter().zip(&reachable.high).map(|(low, high)| (low.sqrt(), high.sqrt()))
+    reachable
+        .low
+        .iter()
+        .zip(&reachable.high)
+        .map(|(low, high)| (low.sqrt(), high.sqrt()))
 }
 
 fn even(low: f64, high: f64, count: usize) -> Vec<f64> {
@@ -95,7 +102,9 @@ fn even(low: f64, high: f64, count: usize) -> Vec<f64> {
         return vec![high];
     }
     let last = (count - 1) as f64;
-    (0..count).map(|k| low + (high - low) * (k as f64 / last)).collect()
+    (0..count)
+        .map(|k| low + (high - low) * (k as f64 / last))
+        .collect()
 }
 
 /// Speeds around a path, within the box; the path and the edges of the box are always among them.
@@ -119,6 +128,7 @@ fn best_path(problem: &Problem, step_price_w: &[f64], grids: &[Vec<f64>]) -> Opt
     let steps = problem.steps.len();
     let mut to_go = vec![0.0; grids[steps].len()];
     let mut choices: Vec<Vec<u16>> = Vec::with_capacity(steps);
+    let mut slope = vec![0.0; steps + 1];
     let mut energy_j = Vec::new();
     for step in (0..steps).rev() {
         let road = &problem.steps[step];
@@ -142,6 +152,7 @@ fn best_path(problem: &Problem, step_price_w: &[f64], grids: &[Vec<f64>]) -> Opt
             costs.push(least);
             chosen.push(choice);
         }
+        slope[step] = fitted_slope(from, &costs);
         to_go = costs;
         choices.push(chosen);
     }
@@ -156,10 +167,33 @@ fn best_path(problem: &Problem, step_price_w: &[f64], grids: &[Vec<f64>]) -> Opt
         speed_mps.push(grids[step + 1][at]);
     }
     Some(Path {
-        spread_mps: vec![0.0; speed_mps.len()],
+        half_mps: vec![0.0; speed_mps.len()],
         speed_mps,
         cost_j,
+        slope,
     })
+}
+
+/// Slope of the costs of squared speeds by least squares, of those that can be driven.
+fn fitted_slope(speed_mps: &[f64], cost_j: &[f64]) -> f64 {
+    let points = || {
+        speed_mps
+            .iter()
+            .map(|v| v * v)
+            .zip(cost_j)
+            .filter(|(_, cost)| cost.is_finite())
+    };
+    let count = points().count() as f64;
+    let (mean_z, mean_cost) = points().fold((0.0, 0.0), |(z_sum, cost_sum), (z, cost)| {
+        (z_sum + z / count, cost_sum + cost / count)
+    });
+    let (along, square) = points().fold((0.0, 0.0), |(along, square), (z, cost)| {
+        (
+            along + (z - mean_z) * (cost - mean_cost),
+            square + (z - mean_z) * (z - mean_z),
+        )
+    });
+    if square > 0.0 { along / square } else { 0.0 }
 }
 
 /// The range of end speeds whose acceleration is allowed.
@@ -171,8 +205,7 @@ fn within(problem: &Problem, step: usize, v0: f64, to: &[f64]) -> (usize, usize)
     let first = to.partition_point(|&v1| {
         accel(v1) < envelope.min_at(mean(v1)).accel_mps2 - ROUNDING_MPS2 || v0 + v1 <= 0.0
     });
-    let last = to.partition_point(|&v1| {
-        accel(v1) <= envelope.max_at(mean(v1)).accel_mps2 + ROUNDING_MPS2
-    });
+    let last =
+        to.partition_point(|&v1| accel(v1) <= envelope.max_at(mean(v1)).accel_mps2 + ROUNDING_MPS2);
     (first, last.max(first))
 }

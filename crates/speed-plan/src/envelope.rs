@@ -64,10 +64,16 @@ impl Envelope {
                 return fail(index, "the speed is not within 0 and 1000 m/s");
             }
             if !(-20.0..=-0.01).contains(&point.min_mps2) {
-                return fail(index, "the strongest braking is not within -20 and -0.01 m/s²");
+                return fail(
+                    index,
+                    "the strongest braking is not within -20 and -0.01 m/s²",
+                );
             }
             if !(0.01..=20.0).contains(&point.max_mps2) {
-                return fail(index, "the strongest acceleration is not within 0.01 and 20 m/s²");
+                return fail(
+                    index,
+                    "the strongest acceleration is not within 0.01 and 20 m/s²",
+                );
             }
             if index > 0 && point.speed_mps <= points[index - 1].speed_mps {
                 return fail(index, "the speed does not increase from point to point");
@@ -101,10 +107,19 @@ impl Envelope {
         if let [point] = self.points.as_slice() {
             return (point.min_mps2, point.max_mps2);
         }
-        let between = self.points.iter().filter(|point| from_mps < point.speed_mps && point.speed_mps < to_mps);
+        let between = self
+            .points
+            .iter()
+            .filter(|point| from_mps < point.speed_mps && point.speed_mps < to_mps);
         let (first, last) = (from_mps, to_mps);
-        let mut min = self.min_at(first).accel_mps2.min(self.min_at(last).accel_mps2);
-        let mut max = self.max_at(first).accel_mps2.max(self.max_at(last).accel_mps2);
+        let mut min = self
+            .min_at(first)
+            .accel_mps2
+            .min(self.min_at(last).accel_mps2);
+        let mut max = self
+            .max_at(first)
+            .accel_mps2
+            .max(self.max_at(last).accel_mps2);
         for point in between {
             min = min.min(point.min_mps2);
             max = max.max(point.max_mps2);
@@ -113,12 +128,17 @@ impl Envelope {
     }
 
     fn at(&self, speed_mps: f64, limit: impl Fn(&EnvelopePoint) -> f64) -> Limit {
-        let end = self.points.partition_point(|point| point.speed_mps <= speed_mps);
+        let end = self
+            .points
+            .partition_point(|point| point.speed_mps <= speed_mps);
         let constant = |point: &EnvelopePoint| Limit {
             accel_mps2: limit(point),
             per_s: 0.0,
         };
-        match (end.checked_sub(1).map(|k| &self.points[k]), self.points.get(end)) {
+        match (
+            end.checked_sub(1).map(|k| &self.points[k]),
+            self.points.get(end),
+        ) {
             (Some(from), Some(to)) => {
                 let per_s = (limit(to) - limit(from)) / (to.speed_mps - from.speed_mps);
                 Limit {

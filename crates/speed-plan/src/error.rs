@@ -50,6 +50,11 @@ pub enum Error {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+    /// Signals and leaders are planned for cars whose losses are a formula.
+    #[error(
+        "the losses of the car are a table, with which signals and a leader cannot be planned yet; give losses by formula"
+    )]
+    TableInTraffic,
     /// The vehicle cannot be.
     #[error(transparent)]
     Vehicle(#[from] ev_energy::Error),

@@ -154,7 +154,13 @@ impl<'a> InteriorPoint<'a> {
             steps: vec![SmoothStep::default(); nodes - 1],
             bounds: vec![[StepBound::default(); KINDS]; nodes - 1],
             speed_multiplier: vec![[0.0; 2]; nodes],
-            waits: vec![Pair { slack: 1.0, multiplier: barrier_j }; task.waits.len()],
+            waits: vec![
+                Pair {
+                    slack: 1.0,
+                    multiplier: barrier_j
+                };
+                task.waits.len()
+            ],
             times: Vec::new(),
             passing_s: Vec::new(),
             barrier_j,
@@ -179,7 +185,12 @@ impl<'a> InteriorPoint<'a> {
         if !this.slacks_are_positive() {
             return None;
         }
-        for bound in this.bounds.iter_mut().flatten().filter(|bound| bound.active) {
+        for bound in this
+            .bounds
+            .iter_mut()
+            .flatten()
+            .filter(|bound| bound.active)
+        {
             bound.multiplier = barrier_j / bound.slack;
         }
         this.times = task
@@ -188,7 +199,10 @@ impl<'a> InteriorPoint<'a> {
             .map(|bound| {
                 let spare_s = bound.sign() * (bound.time_s - this.passing_time(bound));
                 let slack = spare_s.max(0.02 * (1.0 + bound.time_s.abs()));
-                Pair { slack, multiplier: (barrier_j / slack).max(200.0) }
+                Pair {
+                    slack,
+                    multiplier: (barrier_j / slack).max(200.0),
+                }
             })
             .collect();
         Some(this)
@@ -229,7 +243,8 @@ impl<'a> InteriorPoint<'a> {
             let (from, to) = (self.z[k], self.z[k + 1]);
             let step = &mut self.steps[k];
             (step.energy_j, step.time_s) =
-                self.formula.energy_and_time(&self.problem.steps[k], from, to, widths);
+                self.formula
+                    .energy_and_time(&self.problem.steps[k], from, to, widths);
             self.evaluate_bounds(k, from, to);
         }
         self.passing_s.clear();
@@ -273,7 +288,9 @@ impl<'a> InteriorPoint<'a> {
     fn slacks_are_positive(&self) -> bool {
         let free = |k: usize| !(self.fixed[k] && self.fixed[k + 1]);
         (0..self.bounds.len()).filter(|&k| free(k)).all(|k| {
-            self.bounds[k].iter().all(|bound| !bound.active || bound.slack > 0.0)
+            self.bounds[k]
+                .iter()
+                .all(|bound| !bound.active || bound.slack > 0.0)
         })
     }
 
@@ -314,13 +331,30 @@ impl<'a> InteriorPoint<'a> {
             let taken = self.advance(&step);
             let target_j = precision.barrier_j;
             let late = self.lateness();
-            if self.barrier_j <= target_j && step.decrement_j < 1e-3 * target_j && late < 1e-7 && taken > 0.9 {
+            if self.barrier_j <= target_j
+                && step.decrement_j < 1e-3 * target_j
+                && late < 1e-7
+                && taken > 0.9
+            {
                 converged = true;
                 break;
             }
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} late {late:.2e}", self.barrier_j, step.decrement_j, self.passing_s.last().unwrap_or(&0.0)); }
+            if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
+                eprintln!(
+                    "{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} late {late:.2e}",
+                    self.barrier_j,
+                    step.decrement_j,
+                    self.passing_s.last().unwrap_or(&0.0)
+                );
+            }
             let average_j = self.complementarity();
-            let factor = if taken > 0.8 { 0.3 } else if taken > 0.3 { 0.6 } else { 0.9 };
+            let factor = if taken > 0.8 {
+                0.3
+            } else if taken > 0.3 {
+                0.6
+            } else {
+                0.9
+            };
             if step.decrement_j < 40.0 * (self.barrier_j * self.steps.len() as f64).max(1e-6) {
                 self.barrier_j = (factor * average_j).min(self.barrier_j).max(0.9 * target_j);
             }
@@ -397,7 +431,9 @@ impl<'a> InteriorPoint<'a> {
         let last_s = self.passing_s.last().copied().unwrap_or(0.0);
         let waits = self.task.waits.iter().zip(&self.waits);
         let waiting: f64 = waits
-            .map(|(node, wait)| (self.problem.standing_power_w(*node) + self.task.price_w) * wait.slack)
+            .map(|(node, wait)| {
+                (self.problem.standing_power_w(*node) + self.task.price_w) * wait.slack
+            })
             .sum();
         let times: f64 = self
             .task
@@ -426,7 +462,10 @@ impl<'a> InteriorPoint<'a> {
         }
         for (k, bounds) in self.bounds.iter().enumerate() {
             for bound in bounds.iter().filter(|bound| bound.active) {
-                limit(bound.slack, bound.gradient[0] * step.z[k] + bound.gradient[1] * step.z[k + 1]);
+                limit(
+                    bound.slack,
+                    bound.gradient[0] * step.z[k] + bound.gradient[1] * step.z[k + 1],
+                );
             }
         }
         for (wait, change) in self.waits.iter().zip(&step.waits) {
@@ -435,7 +474,12 @@ impl<'a> InteriorPoint<'a> {
         let before = self.merit(&step.multipliers);
         let (z, waits) = (self.z.clone(), self.waits.clone());
         let bounds = self.bounds.clone();
-        let old_passing: Vec<f64> = self.task.time_bounds.iter().map(|b| self.passing_time(b)).collect();
+        let old_passing: Vec<f64> = self
+            .task
+            .time_bounds
+            .iter()
+            .map(|b| self.passing_time(b))
+            .collect();
         for trial in 0..30 {
             for (k, z) in z.iter().enumerate() {
                 self.z[k] = z + share * step.z[k];
@@ -445,7 +489,9 @@ impl<'a> InteriorPoint<'a> {
             }
             self.evaluate();
             let enough = before - 1e-4 * share * step.decrement_j + 1e-9 * before.abs();
-            if self.slacks_are_positive() && (self.merit(&step.multipliers) <= enough || trial == 29) {
+            if self.slacks_are_positive()
+                && (self.merit(&step.multipliers) <= enough || trial == 29)
+            {
                 break;
             }
             share *= 0.5;
@@ -468,7 +514,9 @@ impl<'a> InteriorPoint<'a> {
         let next = |slack: f64, change: f64, multiplier: f64, now: f64| {
             let full = (mu - multiplier * change) / slack;
             let moved = multiplier + share.max(0.1) * (full - multiplier);
-            moved.max(0.005 * multiplier).clamp(mu / (1e4 * now), 1e4 * mu / now)
+            moved
+                .max(0.005 * multiplier)
+                .clamp(mu / (1e4 * now), 1e4 * mu / now)
         };
         for k in 0..self.z.len() {
             if self.fixed[k] {
@@ -493,19 +541,29 @@ impl<'a> InteriorPoint<'a> {
             }
         }
         for (k, old) in waits.iter().enumerate() {
-            self.waits[k].multiplier = next(old.slack, step.waits[k], old.multiplier, self.waits[k].slack);
+            self.waits[k].multiplier = next(
+                old.slack,
+                step.waits[k],
+                old.multiplier,
+                self.waits[k].slack,
+            );
         }
         for (k, bound) in self.task.time_bounds.iter().enumerate() {
             let old = self.times[k];
             let full = step.multipliers[k];
-            let multiplier = (old.multiplier + share * (full - old.multiplier)).max(0.02 * old.multiplier);
+            let multiplier =
+                (old.multiplier + share * (full - old.multiplier)).max(0.02 * old.multiplier);
             // The slack that belongs to the new time, or what is left of the old one.
             let exact = bound.sign() * (bound.time_s - self.passing_time(bound));
             let residual = bound.sign() * (old_passing[k] - bound.time_s) + old.slack;
             let change = (mu - old.slack * full) / old.multiplier;
             let _ = residual;
             let slack = (old.slack + share * change).max(0.02 * old.slack);
-            let slack = if exact > 0.2 * slack && exact < 5.0 * slack { exact } else { slack };
+            let slack = if exact > 0.2 * slack && exact < 5.0 * slack {
+                exact
+            } else {
+                slack
+            };
             self.times[k] = Pair { slack, multiplier };
         }
     }
@@ -525,7 +583,10 @@ impl<'a> InteriorPoint<'a> {
             potential[k + 1] =
                 step.energy_gradient[1] + step_price_w[k] * step.time_gradient[1] - bent;
             let multiplier = |kind| active(kind).map_or(0.0, |bound| bound.multiplier);
-            accel_multiplier.push([multiplier(COMFORT) + multiplier(STRONGEST), multiplier(BRAKING)]);
+            accel_multiplier.push([
+                multiplier(COMFORT) + multiplier(STRONGEST),
+                multiplier(BRAKING),
+            ]);
         }
         Solution {
             waits_s: self.waits.iter().map(|wait| wait.slack).collect(),
@@ -597,7 +658,11 @@ impl Newton {
             })
             .collect();
         let wait_border = |bound: &TimeBound, wait: usize| {
-            if bound.includes_wait_at(ip.task.waits[wait]) { bound.sign() } else { 0.0 }
+            if bound.includes_wait_at(ip.task.waits[wait]) {
+                bound.sign()
+            } else {
+                0.0
+            }
         };
         let solved: Vec<Vec<f64>> = borders
             .iter()
@@ -624,9 +689,10 @@ impl Newton {
                 schur[j * count + i] = schur[i * count + j];
             }
             schur[i * count + i] += pair.slack / pair.multiplier;
-            let by_waits: f64 = (0..waits.len()).map(|w| wait_border(bound, w) * waits[w]).sum();
-            multipliers[i] =
-                dot(&borders[i], &step) + by_waits + residual + mu / pair.multiplier;
+            let by_waits: f64 = (0..waits.len())
+                .map(|w| wait_border(bound, w) * waits[w])
+                .sum();
+            multipliers[i] = dot(&borders[i], &step) + by_waits + residual + mu / pair.multiplier;
         }
         if !solve_dense(&mut schur, &mut multipliers) {
             multipliers = ip.times.iter().map(|pair| pair.multiplier).collect();
@@ -645,7 +711,9 @@ impl Newton {
         let mut slope = dot(&self.gradient, &step) + dot(&wait_g, &waits);
         for (i, multiplier) in multipliers.iter().enumerate() {
             let bound = &ip.task.time_bounds[i];
-            let by_waits: f64 = (0..waits.len()).map(|w| wait_border(bound, w) * waits[w]).sum();
+            let by_waits: f64 = (0..waits.len())
+                .map(|w| wait_border(bound, w) * waits[w])
+                .sum();
             slope += multiplier * (dot(&borders[i], &step) + by_waits);
         }
         Direction {
@@ -668,8 +736,12 @@ impl Newton {
             let e = step.energy_hessian;
             let t = step.time_hessian;
             let mut h = semidefinite([0, 1, 2].map(|i| e[i] + price[k] * t[i]));
-            let mut g = [0, 1].map(|i| step.energy_gradient[i] + ip.task.price_w * step.time_gradient[i]);
-            for bound in ip.bounds[k].iter().filter(|bound| bound.active && bound.slack > 0.0) {
+            let mut g =
+                [0, 1].map(|i| step.energy_gradient[i] + ip.task.price_w * step.time_gradient[i]);
+            for bound in ip.bounds[k]
+                .iter()
+                .filter(|bound| bound.active && bound.slack > 0.0)
+            {
                 let weight = bound.multiplier / bound.slack;
                 let [g0, g1] = bound.gradient;
                 h[0] += weight * g0 * g0;
@@ -696,7 +768,10 @@ impl Newton {
                 }
                 continue;
             }
-            let room = [ip.z[k] - ip.reachable.low[k], ip.reachable.high[k] - ip.z[k]];
+            let room = [
+                ip.z[k] - ip.reachable.low[k],
+                ip.reachable.high[k] - ip.z[k],
+            ];
             let [low, high] = ip.speed_multiplier[k];
             self.matrix.diagonal[k] += low / room[0] + high / room[1] + 1e-12;
             self.gradient[k] += mu / room[1] - mu / room[0];

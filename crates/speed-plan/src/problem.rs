@@ -156,7 +156,11 @@ fn check(columns: &Columns) -> Result<(), Error> {
             expected: "a road has 2 to 1000001 nodes",
         });
     }
-    let earliest = if columns.earliest_s.is_empty() { 0 } else { nodes };
+    let earliest = if columns.earliest_s.is_empty() {
+        0
+    } else {
+        nodes
+    };
     for (channel, values, expected) in [
         ("slope_rad", &columns.slope_rad, nodes - 1),
         ("min_mps", &columns.min_mps, nodes),
@@ -172,23 +176,54 @@ fn check(columns: &Columns) -> Result<(), Error> {
             });
         }
     }
-    let within = |channel, values: &[f64], min: f64, max: f64, problem| {
-        match values.iter().position(|v| !(min..=max).contains(v)) {
-            None => Ok(()),
-            Some(index) => Err(Error::Value {
-                channel,
-                index,
-                value: values[index],
-                problem,
-            }),
-        }
+    let within = |channel, values: &[f64], min: f64, max: f64, problem| match values
+        .iter()
+        .position(|v| !(min..=max).contains(v))
+    {
+        None => Ok(()),
+        Some(index) => Err(Error::Value {
+            channel,
+            index,
+            value: values[index],
+            problem,
+        }),
     };
-    within("position_m", &columns.position_m, -1e7, 1e7, "within ±10000 km")?;
-    within("slope_rad", &columns.slope_rad, -0.5, 0.5, "within ±0.5 rad")?;
-    within("min_mps", &columns.min_mps, 0.0, 150.0, "within 0 and 150 m/s")?;
-    within("max_mps", &columns.max_mps, 0.0, 150.0, "within 0 and 150 m/s")?;
+    within(
+        "position_m",
+        &columns.position_m,
+        -1e7,
+        1e7,
+        "within ±10000 km",
+    )?;
+    within(
+        "slope_rad",
+        &columns.slope_rad,
+        -0.5,
+        0.5,
+        "within ±0.5 rad",
+    )?;
+    within(
+        "min_mps",
+        &columns.min_mps,
+        0.0,
+        150.0,
+        "within 0 and 150 m/s",
+    )?;
+    within(
+        "max_mps",
+        &columns.max_mps,
+        0.0,
+        150.0,
+        "within 0 and 150 m/s",
+    )?;
     within("dwell_s", &columns.dwell_s, 0.0, 1e6, "within 0 and 10⁶ s")?;
-    within("earliest_s", &columns.earliest_s, -1e9, 1e9, "within ±10⁹ s")?;
+    within(
+        "earliest_s",
+        &columns.earliest_s,
+        -1e9,
+        1e9,
+        "within ±10⁹ s",
+    )?;
     for index in 0..nodes {
         let fail = |channel, value, problem| {
             Err(Error::Value {
@@ -203,20 +238,36 @@ fn check(columns: &Columns) -> Result<(), Error> {
             return fail("min_mps", min, "above the highest speed there");
         }
         if min <= 0.0 && max > 0.0 {
-            return fail("min_mps", min, "0 only where the car stands and the highest speed is 0 too");
+            return fail(
+                "min_mps",
+                min,
+                "0 only where the car stands and the highest speed is 0 too",
+            );
         }
         if max > 0.0 && columns.dwell_s[index] > 0.0 {
-            return fail("dwell_s", columns.dwell_s[index], "the car does not stand there");
+            return fail(
+                "dwell_s",
+                columns.dwell_s[index],
+                "the car does not stand there",
+            );
         }
         if index == 0 {
             continue;
         }
         let length_m = columns.position_m[index] - columns.position_m[index - 1];
         if !(1e-3..=1e5).contains(&length_m) {
-            return fail("position_m", columns.position_m[index], "not 1 mm to 100 km beyond the one before");
+            return fail(
+                "position_m",
+                columns.position_m[index],
+                "not 1 mm to 100 km beyond the one before",
+            );
         }
         if max <= 0.0 && columns.max_mps[index - 1] <= 0.0 {
-            return fail("max_mps", max, "the car stands at both ends of a step and never gets there");
+            return fail(
+                "max_mps",
+                max,
+                "the car stands at both ends of a step and never gets there",
+            );
         }
     }
     check_signals(&columns.signals, nodes)
@@ -235,16 +286,25 @@ fn check_signals(signals: &[Signal], nodes: usize) -> Result<(), Error> {
             })
         };
         if signal.node <= before || signal.node >= nodes {
-            return fail(node, "no node after those of the signal before and of the start");
+            return fail(
+                node,
+                "no node after those of the signal before and of the start",
+            );
         }
         before = signal.node;
         let mut end_s = f64::NEG_INFINITY;
         for &[from_s, to_s] in &signal.green_s {
             if !(from_s.abs() <= 1e9 && to_s.abs() <= 1e9 && from_s < to_s) {
-                return fail(from_s, "a green window that does not end after it begins, within ±10⁹ s");
+                return fail(
+                    from_s,
+                    "a green window that does not end after it begins, within ±10⁹ s",
+                );
             }
             if from_s <= end_s {
-                return fail(from_s, "a green window that begins before the one before it ends");
+                return fail(
+                    from_s,
+                    "a green window that begins before the one before it ends",
+                );
             }
             end_s = to_s;
         }

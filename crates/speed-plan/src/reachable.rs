@@ -26,7 +26,8 @@ impl Reachable {
         mut high: Vec<f64>,
         share: f64,
     ) -> Result<Self, Obstacle> {
-        let beyond = |step, here, direction, limits| beyond(problem, share, step, here, direction, limits);
+        let beyond =
+            |step, here, direction, limits| beyond(problem, share, step, here, direction, limits);
         let nodes = problem.nodes();
         for k in 1..nodes {
             let step = k - 1;
@@ -86,7 +87,11 @@ fn beyond(
     direction: Direction,
     limits: Limits,
 ) -> f64 {
-    let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
+    let sign = if direction == Direction::Forward {
+        1.0
+    } else {
+        -1.0
+    };
     let reach = 2.0 * problem.steps[step].length_m() * sign;
     let limit = |other: f64| {
         let speed_mps = mean_speed(here, other);
@@ -107,7 +112,11 @@ fn beyond(
 
 /// Where a car must lose speed uphill, it loses more.
 fn gentler(accel: f64, share: f64) -> f64 {
-    if accel > 0.0 { share * accel } else { accel / share }
+    if accel > 0.0 {
+        share * accel
+    } else {
+        accel / share
+    }
 }
 
 /// Root of an increasing function of a squared speed near a first guess; 0 where it lies below.
@@ -135,7 +144,11 @@ fn bracketed_root(residual: impl Fn(f64) -> f64, first: f64, error: f64) -> f64 
         if high - low <= 1e-13 * (1.0 + high) {
             break;
         }
-        let share = if at_high > at_low { -at_low / (at_high - at_low) } else { 0.5 };
+        let share = if at_high > at_low {
+            -at_low / (at_high - at_low)
+        } else {
+            0.5
+        };
         let middle = low + share.clamp(1e-3, 1.0 - 1e-3) * (high - low);
         let at_middle = residual(middle);
         if at_middle > 0.0 {

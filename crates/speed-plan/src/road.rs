@@ -100,7 +100,10 @@ impl Road {
             let inside = node(from)..=node(to);
             max_mps[inside].iter_mut().for_each(|max| lower(max, speed));
         }
-        let mut min_mps: Vec<f64> = max_mps.iter().map(|max| self.slowest_mps.min(*max)).collect();
+        let mut min_mps: Vec<f64> = max_mps
+            .iter()
+            .map(|max| self.slowest_mps.min(*max))
+            .collect();
         for &(at, stand_s) in &self.stops {
             let node = node(at);
             (min_mps[node], max_mps[node]) = (0.0, 0.0);
@@ -111,7 +114,10 @@ impl Road {
             let speed = speed.min(max_mps[node]);
             (min_mps[node], max_mps[node]) = (speed, speed);
         }
-        let slope_rad = position_m.windows(2).map(|ends| self.slope_rad(ends[0], ends[1])).collect();
+        let slope_rad = position_m
+            .windows(2)
+            .map(|ends| self.slope_rad(ends[0], ends[1]))
+            .collect();
         let mut signals: Vec<Signal> = self
             .signals
             .iter()
@@ -147,10 +153,22 @@ impl Road {
                 })
             }
         };
-        setting("length_m", self.length_m, 1.0, 1e6, "a road is 1 m to 1000 km long")?;
+        setting(
+            "length_m",
+            self.length_m,
+            1.0,
+            1e6,
+            "a road is 1 m to 1000 km long",
+        )?;
         setting("start_mps", self.start_mps, 0.0, 150.0, "0 to 150 m/s")?;
         setting("end_mps", self.end_mps, 0.0, 150.0, "0 to 150 m/s")?;
-        setting("slowest_mps", self.slowest_mps, 0.1, 100.0, "0.1 to 100 m/s")?;
+        setting(
+            "slowest_mps",
+            self.slowest_mps,
+            0.1,
+            100.0,
+            "0.1 to 100 m/s",
+        )?;
         let on_road = |channel, index, value: f64| {
             if (0.0..=self.length_m).contains(&value) {
                 Ok(())
@@ -164,10 +182,28 @@ impl Road {
             }
         };
         let pairs = [
-            ("limits", &self.limits, 0.1, 150.0, "a limit of 0.1 to 150 m/s"),
+            (
+                "limits",
+                &self.limits,
+                0.1,
+                150.0,
+                "a limit of 0.1 to 150 m/s",
+            ),
             ("stops", &self.stops, 0.0, 1e6, "a stand of 0 to 10⁶ s"),
-            ("slow_points", &self.slow_points, 0.1, 150.0, "a speed of 0.1 to 150 m/s"),
-            ("elevation", &self.elevation, -1e4, 1e4, "an elevation within ±10 km"),
+            (
+                "slow_points",
+                &self.slow_points,
+                0.1,
+                150.0,
+                "a speed of 0.1 to 150 m/s",
+            ),
+            (
+                "elevation",
+                &self.elevation,
+                -1e4,
+                1e4,
+                "an elevation within ±10 km",
+            ),
         ];
         for (channel, values, min, max, problem) in pairs {
             for (index, &(at, value)) in values.iter().enumerate() {
@@ -241,7 +277,11 @@ impl Road {
         ];
         places.extend(self.limits.iter().map(|limit| moving(limit.0)));
         places.extend(self.slow_points.iter().map(|point| moving(point.0)));
-        places.extend(self.curves.iter().flat_map(|curve| [moving(curve[0]), moving(curve[1])]));
+        places.extend(
+            self.curves
+                .iter()
+                .flat_map(|curve| [moving(curve[0]), moving(curve[1])]),
+        );
         places.extend(self.stops.iter().map(|stop| still(stop.0)));
         places.extend(self.signals.iter().map(|signal| still(signal.0)));
         places.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
@@ -266,15 +306,22 @@ impl Road {
     /// The lower limit of both sides of a node.
     fn limit_at(&self, position_m: &[f64], node: usize) -> f64 {
         let at = position_m[node];
-        let begun = self.limits.partition_point(|limit| limit.0 <= at + SAME_PLACE_M);
-        let before = self.limits.partition_point(|limit| limit.0 < at - SAME_PLACE_M);
+        let begun = self
+            .limits
+            .partition_point(|limit| limit.0 <= at + SAME_PLACE_M);
+        let before = self
+            .limits
+            .partition_point(|limit| limit.0 < at - SAME_PLACE_M);
         let touching = before.saturating_sub(1)..begun.max(1);
-        self.limits[touching].iter().map(|limit| limit.1).fold(f64::INFINITY, f64::min)
+        self.limits[touching]
+            .iter()
+            .map(|limit| limit.1)
+            .fold(f64::INFINITY, f64::min)
     }
 
     fn slope_rad(&self, from_m: f64, to_m: f64) -> f64 {
         let rise_m = self.elevation_m(to_m) - self.elevation_m(from_m);
-        (rise_m / (to_m - from_m)).atan().clamp(-0.5, 0.5)
+        (rise_m / (to_m - from_m)).atan()
     }
 
     fn elevation_m(&self, at: f64) -> f64 {
@@ -297,7 +344,10 @@ impl Leader {
                 return fail(pair[1].0, "a time that is not after the one before");
             }
             if !(pair[1].1 >= pair[0].1 && pair[1].1 < 1e9) {
-                return fail(pair[1].1, "a position behind the one before: the leader drives backwards");
+                return fail(
+                    pair[1].1,
+                    "a position behind the one before: the leader drives backwards",
+                );
             }
         }
         Ok(())
@@ -309,7 +359,10 @@ impl Leader {
         let positions = &self.positions;
         // Beyond the last time that the leader is not further than that.
         let after = positions.partition_point(|(_, position_m)| *position_m <= target_m);
-        match (after.checked_sub(1).map(|k| positions[k]), positions.get(after)) {
+        match (
+            after.checked_sub(1).map(|k| positions[k]),
+            positions.get(after),
+        ) {
             (Some((t0, s0)), Some(&(t1, s1))) => {
                 t0 + (target_m - s0) / (s1 - s0) * (t1 - t0) + self.headway_s
             }
@@ -333,7 +386,11 @@ fn nearest(position_m: &[f64], at: f64) -> usize {
     let after = position_m.partition_point(|position| *position < at);
     let before = after.saturating_sub(1);
     let after = after.min(position_m.len() - 1);
-    if at - position_m[before] <= position_m[after] - at { before } else { after }
+    if at - position_m[before] <= position_m[after] - at {
+        before
+    } else {
+        after
+    }
 }
 
 /// Nodes between places: short steps beside a standstill, even ones in between.
@@ -349,10 +406,19 @@ fn positions(places: &[Place]) -> Vec<f64> {
         let begin_m: f64 = begin.iter().sum();
         let end_m: f64 = end.iter().sum();
         let middle_m = length_m - begin_m - end_m;
-        let count = if middle_m > 1e-6 { (middle_m / LONGEST_STEP_M).ceil().max(1.0) } else { 0.0 };
+        let count = if middle_m > 1e-6 {
+            (middle_m / LONGEST_STEP_M).ceil().max(1.0)
+        } else {
+            0.0
+        };
         let mut at = from.position_m;
         let even = std::iter::repeat_n(middle_m / count.max(1.0), count as usize);
-        for step_m in begin.iter().copied().chain(even).chain(end.iter().rev().copied()) {
+        for step_m in begin
+            .iter()
+            .copied()
+            .chain(even)
+            .chain(end.iter().rev().copied())
+        {
             at += step_m;
             nodes.push(at);
         }

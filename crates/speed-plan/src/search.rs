@@ -24,6 +24,10 @@ const GENTLE: f64 = 0.7;
 /// Barrier at the start, J.
 const FIRST_BARRIER_J: f64 = 300.0;
 
+/// Barrier at the start from a plan that is nearly right, J, and how far towards such a plan the start lies.
+const WARM_BARRIER_J: f64 = 10.0;
+const NEARNESS: f64 = 0.97;
+
 /// Below this price of time in W the arrival does not bind.
 const NO_PRICE_W: f64 = 1e-2;
 
@@ -90,6 +94,8 @@ pub(crate) struct Search<'a> {
     started: Instant,
     solved: usize,
     best: Option<Relaxed>,
+    /// Squared speeds of a plan that is expected to be near.
+    near: Option<Vec<f64>>,
 }
 
 impl<'a> Search<'a> {
@@ -98,6 +104,7 @@ impl<'a> Search<'a> {
         formula: StepFormula,
         demand: Demand,
         settings: Settings,
+        near: Option<Vec<f64>>,
     ) -> Self {
         Self {
             problem,
@@ -108,6 +115,7 @@ impl<'a> Search<'a> {
             started: Instant::now(),
             solved: 0,
             best: None,
+            near,
         }
     }
 
@@ -155,7 +163,11 @@ impl<'a> Search<'a> {
                 continue;
             };
             let bound_j = relaxed.bound_j.max(part.bound_j);
-            let with_stands_j: f64 = relaxed.standing_extra_j.iter().map(|extra| extra.min(0.0)).sum();
+            let with_stands_j: f64 = relaxed
+                .standing_extra_j
+                .iter()
+                .map(|extra| extra.min(0.0))
+                .sum();
             let part = Part {
                 bound_j: (bound_j + with_stands_j).max(part.bound_j),
                 ..part
@@ -191,7 +203,10 @@ impl<'a> Search<'a> {
 
     fn improves(&self, drive: &Drive) -> bool {
         drive.energy_j.is_finite()
-            && self.best.as_ref().is_none_or(|best| self.cost_j(drive) < self.cost_j(&best.drive))
+            && self
+                .best
+                .as_ref()
+                .is_none_or(|best| self.cost_j(drive) < self.cost_j(&best.drive))
     }
 
     fn is_good_enough(&self, bound_j: f64) -> bool {
@@ -239,10 +254,12 @@ impl<'a> Search<'a> {
                 None => may_stand.push(signal.node),
             }
             if visit.earliest_s.is_finite() {
-                task.time_bounds.push(bound(signal.node, false, visit.earliest_s));
+                task.time_bounds
+                    .push(bound(signal.node, false, visit.earliest_s));
             }
             if visit.latest_s.is_finite() {
-                task.time_bounds.push(bound(signal.node, true, visit.latest_s));
+                task.time_bounds
+                    .push(bound(signal.node, true, visit.latest_s));
             }
         }
         for &(node, least, most) in &part.cuts {
@@ -263,20 +280,29 @@ impl<'a> Search<'a> {
         }
         let mut start = self.start(&reachable, low, high)?;
         let mut barrier_j = FIRST_BARRIER_J;
+        if let Some(near) = &self.near {
+            let clear = |(start, near): (&f64, &f64)| start + NEARNESS * (near - start);
+            start = start.iter().zip(near).map(clear).collect();
+            barrier_j = WARM_BARRIER_J;
+        }
         loop {
-            let ip = InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)?;
+            let ip =
+                InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)?;
             let solution = ip.solve(self.precision);
             self.solved += 1;
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() { eprintln!("ip {} converged {}", solution.iterations, solution.converged); }
-            let waits: Vec<(usize, f64)> =
-                task.waits.iter().copied().zip(solution.waits_s.iter().copied()).collect();
-            let drive = Drive::new(problem, solution.z.clone(), &waits);
-            if std::env::var_os("SPEED_PLAN_DP").is_some() {
-                let t0 = Instant::now();
-                let path = crate::dynamic::cheapest(problem, &reachable, &solution.step_price_w, 3);
-                let own: f64 = drive.step_energy_j.iter().sum::<f64>() + (0..problem.steps.len()).map(|k| solution.step_price_w[k] * problem.steps[k].length_m() / crate::problem::mean_speed(drive.z[k], drive.z[k+1])).sum::<f64>();
-                eprintln!("ip cost {own:.2} t {:.3} dp {:?} in {:?}", drive.time_s(), path.map(|p| (p.cost_j, *Drive::new(problem, p.speed_mps.iter().map(|v| v*v).collect(), &waits).arrival_s.last().unwrap())), t0.elapsed());
+            if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
+                eprintln!(
+                    "ip {} converged {}",
+                    solution.iterations, solution.converged
+                );
             }
+            let waits: Vec<(usize, f64)> = task
+                .waits
+                .iter()
+                .copied()
+                .zip(solution.waits_s.iter().copied())
+                .collect();
+            let drive = Drive::new(problem, solution.z.clone(), &waits);
             let behind = self.too_close(&drive);
             if behind.is_empty() || task.time_bounds.len() > 200 || self.solved >= MOST_SOLVED {
                 let feasible = behind.is_empty() && keeps(&task, &drive);
@@ -302,14 +328,15 @@ impl<'a> Search<'a> {
                 });
             }
             let earliest_s = &problem.columns.earliest_s;
-            task.time_bounds.extend(behind.iter().map(|&node| TimeBound {
-                node,
-                after_wait: false,
-                at_most: false,
-                time_s: earliest_s[node],
-            }));
+            task.time_bounds
+                .extend(behind.iter().map(|&node| TimeBound {
+                    node,
+                    after_wait: false,
+                    at_most: false,
+                    time_s: earliest_s[node],
+                }));
             start = solution.z;
-            barrier_j = 30.0;
+            barrier_j = WARM_BARRIER_J;
         }
     }
 
@@ -320,7 +347,10 @@ impl<'a> Search<'a> {
         let first_wait = task.waits.iter().copied().min().unwrap_or(usize::MAX);
         task.time_bounds.iter().all(|bound| {
             if bound.at_most {
-                let after_others = task.time_bounds.iter().filter(|other| !other.at_most && other.node <= bound.node);
+                let after_others = task
+                    .time_bounds
+                    .iter()
+                    .filter(|other| !other.at_most && other.node <= bound.node);
                 let earliest_s = after_others
                     .map(|other| other.time_s + fastest_s[bound.node] - fastest_s[other.node])
                     .fold(fastest_s[bound.node], f64::max);
@@ -348,7 +378,11 @@ impl<'a> Search<'a> {
         (1..earliest_s.len())
             .filter(|&k| {
                 let here = ahead(k);
-                let next = if k + 1 < earliest_s.len() { ahead(k + 1) } else { f64::NEG_INFINITY };
+                let next = if k + 1 < earliest_s.len() {
+                    ahead(k + 1)
+                } else {
+                    f64::NEG_INFINITY
+                };
                 here > ROUNDING_S && here >= ahead(k - 1) && here >= next
             })
             .collect()
@@ -364,7 +398,9 @@ impl<'a> Search<'a> {
             }
         }
         // All lights are green: standing at one could still be cheaper where the bound says so.
-        let open: Vec<usize> = (0..signals.len()).filter(|&k| part.visits[k].stands.is_none()).collect();
+        let open: Vec<usize> = (0..signals.len())
+            .filter(|&k| part.visits[k].stands.is_none())
+            .collect();
         for (&index, extra) in open.iter().zip(&relaxed.standing_extra_j) {
             if *extra < 0.0 {
                 let decided = |stands| {
@@ -385,28 +421,33 @@ impl<'a> Search<'a> {
             return Vec::new();
         }
         let (step, loss_j) = relaxed.weakest;
-        let width = |node: usize| {
-            relaxed.reachable.high[node].sqrt() - relaxed.reachable.low[node].sqrt()
+        let width =
+            |node: usize| relaxed.reachable.high[node].sqrt() - relaxed.reachable.low[node].sqrt();
+        let node = if width(step) >= width(step + 1) {
+            step
+        } else {
+            step + 1
         };
-        let node = if width(step) >= width(step + 1) { step } else { step + 1 };
-        if loss_j <= 0.0 {
+        if loss_j <= 0.0 || relaxed.solution.step_price_w[step] >= 0.0 {
             return Vec::new();
         }
-        let (low, high) = (relaxed.reachable.low[node].sqrt(), relaxed.reachable.high[node].sqrt());
+        let (low, high) = (
+            relaxed.reachable.low[node].sqrt(),
+            relaxed.reachable.high[node].sqrt(),
+        );
         if high - low < 0.02 {
             return Vec::new();
         }
         let planned = relaxed.drive.z[node].sqrt();
-        let middle = planned.clamp(low + 0.2 * (high - low), high - 0.2 * (high - low)).powi(2);
+        let middle = planned
+            .clamp(low + 0.2 * (high - low), high - 0.2 * (high - low))
+            .powi(2);
         let within = |least: f64, most: f64| {
             let mut child = part.clone();
             child.cuts.push((node, least, most));
             child
         };
-        vec![
-            within(low * low, middle),
-            within(middle, high * high),
-        ]
+        vec![within(low * low, middle), within(middle, high * high)]
     }
 
     fn answer(mut self, left_j: f64, earliest_arrival_s: f64, whole: &Reachable) -> Answer {
@@ -423,12 +464,20 @@ impl<'a> Search<'a> {
             Demand::Arrival(_) => 0.0,
         };
         let lower_bound_j = left_j.min(best.bound_j).max(left_j.min(f64::MAX)) - spent_on_time_j;
-        let lower_bound_j = if lower_bound_j.is_finite() { lower_bound_j } else { best.bound_j - spent_on_time_j };
+        let lower_bound_j = if lower_bound_j.is_finite() {
+            lower_bound_j
+        } else {
+            best.bound_j - spent_on_time_j
+        };
         let early = matches!(self.demand, Demand::Arrival(latest_s)
             if price_w < NO_PRICE_W && drive.time_s() < latest_s - 1e-6);
         let scale_j = drive.scale_j();
         Answer::Plan(Box::new(Plan {
-            arrival: if early { Arrival::Early } else { Arrival::AsAsked },
+            arrival: if early {
+                Arrival::Early
+            } else {
+                Arrival::AsAsked
+            },
             speed_mps: drive.z.iter().map(|z| z.sqrt()).collect(),
             time_s: drive.time_s(),
             energy_j: drive.energy_j,
@@ -454,11 +503,26 @@ impl<'a> Search<'a> {
         if price_w < NO_PRICE_W || late_s.abs() < 1e-9 || late_s.abs() > 1e-2 {
             return best.drive.clone();
         }
-        let edge = if late_s > 0.0 { &best.reachable.high } else { &best.reachable.low };
-        let waits: Vec<(usize, f64)> =
-            best.task.waits.iter().copied().zip(best.solution.waits_s.iter().copied()).collect();
+        let edge = if late_s > 0.0 {
+            &best.reachable.high
+        } else {
+            &best.reachable.low
+        };
+        let waits: Vec<(usize, f64)> = best
+            .task
+            .waits
+            .iter()
+            .copied()
+            .zip(best.solution.waits_s.iter().copied())
+            .collect();
         let moved = |share: f64| {
-            let z = best.drive.z.iter().zip(edge).map(|(z, edge)| z + share * (edge - z)).collect();
+            let z = best
+                .drive
+                .z
+                .iter()
+                .zip(edge)
+                .map(|(z, edge)| z + share * (edge - z))
+                .collect();
             Drive::new(self.problem, z, &waits)
         };
         let (mut share, mut width) = (0.0, 1e-6);
@@ -476,7 +540,11 @@ impl<'a> Search<'a> {
                 width *= 2.0;
             }
         }
-        if drive.energy_j.is_finite() && keeps(&best.task, &drive) { drive } else { best.drive.clone() }
+        if drive.energy_j.is_finite() && keeps(&best.task, &drive) {
+            drive
+        } else {
+            best.drive.clone()
+        }
     }
 
     /// Why there is no plan, where limits and accelerations alone allow one.
@@ -554,7 +622,11 @@ fn keeps(task: &Task, drive: &Drive) -> bool {
         } else {
             drive.arrival_s[bound.node]
         };
-        if bound.at_most { time_s <= bound.time_s + 1e-6 } else { time_s >= bound.time_s - 1e-6 }
+        if bound.at_most {
+            time_s <= bound.time_s + 1e-6
+        } else {
+            time_s >= bound.time_s - 1e-6
+        }
     })
 }
 
@@ -565,7 +637,9 @@ fn red_at(green_s: &[[f64; 2]], time_s: f64) -> Option<[f64; 2]> {
     if to_s <= time_s + 1e-6 {
         return None;
     }
-    let from_s = after.checked_sub(1).map_or(f64::NEG_INFINITY, |k| green_s[k][1]);
+    let from_s = after
+        .checked_sub(1)
+        .map_or(f64::NEG_INFINITY, |k| green_s[k][1]);
     Some([from_s, to_s])
 }
 
@@ -580,7 +654,8 @@ fn around_red(part: &Part, index: usize, from_s: f64, to_s: f64) -> Vec<Part> {
     };
     for &stands in stands {
         for (earliest_s, latest_s) in [(visit.earliest_s, from_s), (to_s, visit.latest_s)] {
-            if earliest_s <= latest_s && latest_s > f64::NEG_INFINITY && earliest_s < f64::INFINITY {
+            if earliest_s <= latest_s && latest_s > f64::NEG_INFINITY && earliest_s < f64::INFINITY
+            {
                 let mut child = part.clone();
                 child.visits[index] = Visit {
                     stands: Some(stands),

@@ -112,7 +112,10 @@ impl StepCost<'_> {
 
     /// What a motion costs; infinite where it cannot be driven.
     pub(super) fn cost_j(&self, from: f64, to: f64) -> f64 {
-        let energy_j = self.problem.model.energy_j(self.road(), from.sqrt(), to.sqrt());
+        let energy_j = self
+            .problem
+            .model
+            .energy_j(self.road(), from.sqrt(), to.sqrt());
         let time_s = self.road().length_m() / mean_speed(from, to);
         energy_j + self.price_w * time_s + self.potential_j(from, to)
     }
@@ -168,9 +171,9 @@ impl StepCost<'_> {
             return nothing();
         }
         let [from, to] = self.at;
-        let convexity = self.convexity.and_then(|convexity| {
-            convexity.part(cell.w.high, self.shares, self.accel(from, to))
-        });
+        let convexity = self
+            .convexity
+            .and_then(|convexity| convexity.part(cell.w.high, self.shares, self.accel(from, to)));
         let Some(convex) = convexity else {
             return nothing();
         };
@@ -316,7 +319,10 @@ impl StepCost<'_> {
         let halves = |range: Interval| {
             let speed = mean_speed(range.low, range.high);
             let middle = speed * speed;
-            [Interval::new(range.low, middle), Interval::new(middle, range.high)]
+            [
+                Interval::new(range.low, middle),
+                Interval::new(middle, range.high),
+            ]
         };
         if wide(cell.from) >= wide(cell.to) {
             halves(cell.from).map(|from| Cell { from, ..cell })
@@ -337,10 +343,18 @@ impl StepCost<'_> {
         let at = self.nearest(cell);
         let patch = self.hull(cell, at, lines);
         let is_plan = at == self.at;
-        let seen = if is_plan { f64::INFINITY } else { self.cost_j(at[0], at[1]) };
+        let seen = if is_plan {
+            f64::INFINITY
+        } else {
+            self.cost_j(at[0], at[1])
+        };
         // On the plan's kink its shares balance the slopes of its branches at other speeds too.
         let on_kink = self.shares.iter().all(|share| *share < 1.0);
-        let shares = if is_plan || on_kink { self.shares } else { self.shares_at(at) };
+        let shares = if is_plan || on_kink {
+            self.shares
+        } else {
+            self.shares_at(at)
+        };
         let tangent = self.tangent_bound(cell, &patch, at, shares, lines);
         (flat.max(tangent), seen)
     }
@@ -385,9 +399,8 @@ impl StepCost<'_> {
         if upper == 0.0 && lower == 0.0 {
             return (Tangent::default(), 0.0);
         }
-        let line = |k: usize, speed: f64| {
-            lines.value[k] + lines.per_s[k] * (speed - lines.speed_mps)
-        };
+        let line =
+            |k: usize, speed: f64| lines.value[k] + lines.per_s[k] * (speed - lines.speed_mps);
         let speed = mean_speed(at[0], at[1]);
         let accel = self.accel(at[0], at[1]);
         let value = upper * (accel - line(0, speed)) + lower * (line(1, speed) - accel);
@@ -447,8 +460,15 @@ impl StepCost<'_> {
         let defect = total.defect(self.formula, patch);
         let bent = if defect < 0.0 {
             let far = |range: Interval, at: f64| (range.high - at).max(at - range.low);
-            let per = |range: Interval| if range.high > range.low { 0.25 / range.low.sqrt() } else { 0.0 };
-            let change = far(cell.from, at[0]) * per(cell.from) + far(cell.to, at[1]) * per(cell.to);
+            let per = |range: Interval| {
+                if range.high > range.low {
+                    0.25 / range.low.sqrt()
+                } else {
+                    0.0
+                }
+            };
+            let change =
+                far(cell.from, at[0]) * per(cell.from) + far(cell.to, at[1]) * per(cell.to);
             0.5 * self.road().length_m() * defect * change * change
         } else {
             0.0
@@ -558,7 +578,10 @@ impl StepCost<'_> {
         let resistance_n = formula.standing_force_n(self.road()) + air.low;
         let length_m = self.road().length_m();
         let c = formula.motor_speed_per_mps;
-        let (up, down) = (c * formula.propelling_nm_per_n, c * formula.braking_nm_per_n);
+        let (up, down) = (
+            c * formula.propelling_nm_per_n,
+            c * formula.braking_nm_per_n,
+        );
         let regeneration = largest_regeneration(formula, w);
         let constant = formula.constant_w + self.price_w;
         let idle = constant / if constant >= 0.0 { w.high } else { w.low }
@@ -570,15 +593,26 @@ impl StepCost<'_> {
         let mass_kg = formula.effective_mass_kg;
         let at = |accel: f64| {
             let force = mass_kg * accel + resistance_n;
-            let spent = if force >= 0.0 { up * force } else { down * force.max(-regeneration) };
+            let spent = if force >= 0.0 {
+                up * force
+            } else {
+                down * force.max(-regeneration)
+            };
             length_m * (spent - 2.0 * middle * accel)
         };
-        let kinks = [-resistance_n / mass_kg, (-regeneration - resistance_n) / mass_kg];
+        let kinks = [
+            -resistance_n / mass_kg,
+            (-regeneration - resistance_n) / mass_kg,
+        ];
         // What copper and the resistance of the battery take at the weakest propulsion: D ≥ R P²/U0².
         let weakest = (mass_kg * accel.low + resistance_n).max(0.0);
         let torque = formula.propelling_nm_per_n * weakest;
         let copper_w = formula.copper_w_per_nm2 * torque * torque;
-        let power_w = if weakest > 0.0 { up * weakest * w.low + copper_w } else { 0.0 };
+        let power_w = if weakest > 0.0 {
+            up * weakest * w.low + copper_w
+        } else {
+            0.0
+        };
         let battery_w =
             formula.resistance_ohm * (power_w / formula.voltage_v) * (power_w / formula.voltage_v);
         let lost = (copper_w + battery_w) / w.high;

@@ -68,7 +68,11 @@ impl Bend {
     /// Largest `κ ≤ 0` that was found with `ζᵀHζ ≥ h κ s²`; `−∞` where there is none.
     pub(super) fn defect(&self, formula: &StepFormula, patch: &Patch) -> f64 {
         let Some(product) = patch.speed_product.filter(|_| self.slope > 0.0) else {
-            return if self.rho >= 0.0 { self.w.min(0.0) } else { f64::NEG_INFINITY };
+            return if self.rho >= 0.0 {
+                self.w.min(0.0)
+            } else {
+                f64::NEG_INFINITY
+            };
         };
         // (u − v)² is at most twice the sum of the squares.
         let taken = self.slope * patch.length_m * patch.length_m / (2.0 * patch.w.low * product);
@@ -167,17 +171,16 @@ pub(super) fn bend(formula: &StepFormula, branch: Branch, patch: &Patch) -> Opti
     let by_copper = f.squared() * by_w * copper;
     let p_s = (by_gear + by_copper) * 2.0 + idle_w;
 
-    let inside = by_gear * 3.0 + by_copper * 2.0 + p_rho * b + idle_w * 3.0
-        - w * idle_bend(formula, w);
+    let inside =
+        by_gear * 3.0 + by_copper * 2.0 + p_rho * b + idle_w * 3.0 - w * idle_bend(formula, w);
     let along = (f.squared() * by_w3 - f * by_w2 * (2.0 * b)) * copper
         - by_w * (gear * b + patch.linear_in_w)
         + idle(formula, w, patch.price_w)
         + battery.loss * by_w3 * 3.0
         - battery.first * by_w2 * inside;
 
-    let rest = f.squared() * copper
-        + Interval::point(formula.constant_w + patch.price_w)
-        + battery.loss;
+    let rest =
+        f.squared() * copper + Interval::point(formula.constant_w + patch.price_w) + battery.loss;
     let p_w = by_gear + p_rho * f_w + idle_w;
     let slope = f_w * gear
         + Interval::point(patch.linear_in_w)
@@ -191,7 +194,11 @@ pub(super) fn bend(formula: &StepFormula, branch: Branch, patch: &Patch) -> Opti
     let kept = if slope.high > 0.0 { 0.1 } else { 0.0 };
     let by_force = (1.0 - kept) * whole;
     let steepest = p_rho.squared().high * battery.second.high;
-    let shared = if by_force > 0.0 { by_force / (by_force + steepest) } else { 0.0 };
+    let shared = if by_force > 0.0 {
+        by_force / (by_force + steepest)
+    } else {
+        0.0
+    };
     Some(Bend {
         rho: kept * whole * by_w.low,
         w: along.low + battery.second.low * p_s.squared().low * shared * by_w.low,
@@ -267,7 +274,10 @@ fn weakening_slope(formula: &StepFormula, w: Interval) -> Interval {
     // d/dw (1/w − w_f/w²) = (2 w_f/w − 1)/w², from 1/w_f² at w_f falling to below 0
     let slope = |w: f64| (2.0 * from / w - 1.0) / (w * w);
     let (low, high) = (w.low.max(from), w.high);
-    let least = slope(high).min(slope(low)).min(0.0).min(slope((3.0 * from).clamp(low, high)));
+    let least = slope(high)
+        .min(slope(low))
+        .min(0.0)
+        .min(slope((3.0 * from).clamp(low, high)));
     Interval::new(least, slope(low).max(0.0)) * formula.weakening_w
 }
 
@@ -288,7 +298,11 @@ fn idle_slope(formula: &StepFormula, w: Interval) -> Interval {
         return spin;
     }
     let steepest = from / (w.low.max(from) * w.low.max(from));
-    let least = if w.low < from { 0.0 } else { from / (w.high * w.high) };
+    let least = if w.low < from {
+        0.0
+    } else {
+        from / (w.high * w.high)
+    };
     spin + Interval::new(least, steepest) * formula.weakening_w
 }
 
@@ -362,17 +376,14 @@ fn friction_piece(formula: &StepFormula, patch: &Patch, w: Interval) -> Option<B
     let square = r.squared() * copper;
     let square_w = r * r1 * (2.0 * copper);
     let square_ww = (r1.squared() + r * r2) * (2.0 * copper);
-    let along = -((r2 - r1 * by_w) * gear)
-        + square_ww * by_w
-        - square_w * by_w2 * 3.0
+    let along = -((r2 - r1 * by_w) * gear) + square_ww * by_w - square_w * by_w2 * 3.0
         + square * by_w2 * by_w * 3.0
         + idle(formula, w, patch.price_w)
         + by_w * (-patch.linear_in_w)
         + (battery.first * p_ww + battery.second * p_w.squared()) * by_w
         - battery.first * p_w * by_w2 * 3.0
         + battery.loss * by_w2 * by_w * 3.0;
-    let rest =
-        square + Interval::point(formula.constant_w + patch.price_w) + battery.loss;
+    let rest = square + Interval::point(formula.constant_w + patch.price_w) + battery.loss;
     let slope = -(r1 * gear)
         + Interval::point(patch.linear_in_w)
         + w * (2.0 * formula.windage_w_per_mps3)
@@ -439,13 +450,24 @@ impl Convexity {
 
     /// The part that reaches down the furthest from a speed with an acceleration in it, for weighted branches; `None` where the cost
     /// is not known to be convex there.
-    pub(super) fn part(&self, top_mps: f64, shares: [f64; 3], accel_mps2: f64) -> Option<ConvexPart> {
+    pub(super) fn part(
+        &self,
+        top_mps: f64,
+        shares: [f64; 3],
+        accel_mps2: f64,
+    ) -> Option<ConvexPart> {
         if shares[2] > 0.0 {
             return None;
         }
         let mut part: Option<ConvexPart> = None;
         for (from_mps, up_to) in self.ranges.iter().filter(|range| range.0 < top_mps) {
-            let of_branch = |k: usize| if shares[k] > 0.0 { up_to[k] } else { f64::INFINITY };
+            let of_branch = |k: usize| {
+                if shares[k] > 0.0 {
+                    up_to[k]
+                } else {
+                    f64::INFINITY
+                }
+            };
             let here = of_branch(0).min(of_branch(1));
             if here < accel_mps2 {
                 break;
@@ -467,7 +489,11 @@ fn is_convex(
     accel: Interval,
     ranges: &Ranges,
 ) -> bool {
-    let Ranges { standing_n, longest_m: length_m, .. } = *ranges;
+    let Ranges {
+        standing_n,
+        longest_m: length_m,
+        ..
+    } = *ranges;
     let air = |w: Interval| {
         (w * formula.quadratic_n_per_mps2 + Interval::point(formula.linear_n_per_mps)) * w
     };

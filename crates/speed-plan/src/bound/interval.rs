@@ -19,9 +19,10 @@ impl Interval {
 
     /// The smallest with all of several numbers.
     pub(super) fn hull(values: impl Iterator<Item = f64>) -> Self {
-        values.fold(Self::new(f64::INFINITY, f64::NEG_INFINITY), |hull, value| {
-            Self::new(hull.low.min(value), hull.high.max(value))
-        })
+        values.fold(
+            Self::new(f64::INFINITY, f64::NEG_INFINITY),
+            |hull, value| Self::new(hull.low.min(value), hull.high.max(value)),
+        )
     }
 
     /// Of a function that does not fall, from its values at both ends.
@@ -92,8 +93,14 @@ impl Mul for Interval {
         let smaller = |a: f64, b: f64| if a < b { a } else { b };
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         Self::new(
-            smaller(smaller(products[0], products[1]), smaller(products[2], products[3])),
-            larger(larger(products[0], products[1]), larger(products[2], products[3])),
+            smaller(
+                smaller(products[0], products[1]),
+                smaller(products[2], products[3]),
+            ),
+            larger(
+                larger(products[0], products[1]),
+                larger(products[2], products[3]),
+            ),
         )
     }
 }

@@ -64,12 +64,20 @@ pub(crate) fn lower_bound(
         })
         .collect();
     least.iter().for_each(|least| sum.add(*least));
-    let weakest = losses_j.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let weakest = losses_j
+        .iter()
+        .copied()
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1));
     // Ends are given: what the potentials take there is added again.
     let p = &solution.potential;
     for (node, sign) in [(0, -1.0), (steps, 1.0)] {
         let end = sign * p[node];
-        let z = if end >= 0.0 { reachable.low[node] } else { reachable.high[node] };
+        let z = if end >= 0.0 {
+            reachable.low[node]
+        } else {
+            reachable.high[node]
+        };
         sum.add(end * z);
     }
     for (k, &dwell_s) in problem.columns.dwell_s.iter().enumerate().take(steps) {
@@ -93,7 +101,9 @@ pub(crate) fn lower_bound(
             }
             let still = Interval::point(0.0);
             let range = |k: usize| Interval::new(problem.min_z[k], reachable.high[k]);
-            let stopping = bounder.least_j(node - 1, range(node - 1), still, &mut None).0;
+            let stopping = bounder
+                .least_j(node - 1, range(node - 1), still, &mut None)
+                .0;
             let starting = bounder.least_j(node, still, range(node + 1), &mut None).0;
             stopping + starting - least[node - 1] - least[node]
         })
@@ -164,7 +174,10 @@ impl<'a> Bounder<'a> {
     ) -> (f64, f64) {
         let (problem, formula, solution) = (self.problem, self.formula, self.solution);
         let price_w = solution.step_price_w[step];
-        if convex.as_ref().is_none_or(|(at, _)| at.to_bits() != price_w.to_bits()) {
+        if convex
+            .as_ref()
+            .is_none_or(|(at, _)| at.to_bits() != price_w.to_bits())
+        {
             *convex = Some((price_w, Convexity::new(formula, price_w, &self.ranges)));
         }
         let convexity = convex.as_ref().map(|(_, convexity)| convexity);
@@ -193,7 +206,22 @@ impl<'a> Bounder<'a> {
         let least = cost.least_j(from, to);
         if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
             let g = cost.cost_j(at[0], at[1]);
-            if g - least > 2.0 * self.tolerance_j + 0.2 { eprintln!("step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?} price {price_w} {:?} slope {:.4}", problem.steps[step].length_m(), at[0].sqrt(), at[1].sqrt(), from.low.sqrt(), from.high.sqrt(), to.low.sqrt(), to.high.sqrt(), g - least, cost.shares, solution.accel_multiplier[step], problem.columns.slope_rad[step]); }
+            if g - least > 2.0 * self.tolerance_j + 0.2 {
+                eprintln!(
+                    "step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?} price {price_w} {:?} slope {:.4}",
+                    problem.steps[step].length_m(),
+                    at[0].sqrt(),
+                    at[1].sqrt(),
+                    from.low.sqrt(),
+                    from.high.sqrt(),
+                    to.low.sqrt(),
+                    to.high.sqrt(),
+                    g - least,
+                    cost.shares,
+                    solution.accel_multiplier[step],
+                    problem.columns.slope_rad[step]
+                );
+            }
         }
         (least, cost.cost_j(at[0], at[1]) - least)
     }
