@@ -132,6 +132,26 @@ pub(crate) fn folds(text: &str) -> Parsed<usize> {
     count(text, "folds", 2..=1_000_000)
 }
 
+/// After the start.
+pub(crate) fn arrival_s(text: &str) -> Parsed<f64> {
+    number(text, "a time in s", 0.1..=1e7)
+}
+
+/// What a second is worth in J.
+pub(crate) fn price_w(text: &str) -> Parsed<f64> {
+    number(text, "a price of time in W", 0.0..=1e7)
+}
+
+/// Between a plan and its bound.
+pub(crate) fn gap_pct(text: &str) -> Parsed<f64> {
+    number(text, "a gap in %", 1e-5..=100.0)
+}
+
+/// Points of energy over time.
+pub(crate) fn frontier(text: &str) -> Parsed<usize> {
+    count(text, "plans", 2..=1_000)
+}
+
 /// Of a campaign.
 pub(crate) fn runs(text: &str) -> Parsed<usize> {
     count(text, "runs", 1..=1_000_000_000)

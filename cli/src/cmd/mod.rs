@@ -12,6 +12,7 @@ pub(crate) mod man;
 pub(crate) mod model;
 pub(crate) mod motions;
 pub(crate) mod phases;
+pub(crate) mod plan;
 pub(crate) mod portrait;
 pub(crate) mod predict;
 pub(crate) mod prior;
@@ -33,6 +34,7 @@ pub(crate) fn run(command: &Command, context: &Context) -> anyhow::Result<Outcom
         Command::Fit(args) => fit::run(args, context),
         Command::Model(command) => model::run(command, context),
         Command::Portrait(args) => portrait::run(args, context),
+        Command::Plan(args) => plan::run(args, context),
         Command::Predict(args) => predict::run(args, context),
         Command::Evaluate(args) => evaluate::run(args, context),
         Command::Synth(args) => synth::run(args, context),

@@ -5,6 +5,8 @@ use crate::formula::StepFormula;
 use crate::operating_point::{Motion, OperatingPoint};
 use crate::road_load::RoadLoad;
 use crate::scalar::sin_cos;
+use crate::trip::PowerSum;
+use crate::trip_energy::TripEnergy;
 use crate::vehicle::Vehicle;
 use crate::weather::Weather;
 
@@ -61,6 +63,7 @@ pub struct StepModel<'a> {
     road_load: RoadLoad,
     cells: Cells,
     auxiliary_power_w: f64,
+    weather: Option<Weather>,
 }
 
 impl<'a> StepModel<'a> {
@@ -72,6 +75,7 @@ impl<'a> StepModel<'a> {
             road_load: vehicle.road_load.clone(),
             cells: vehicle.battery.nominal(),
             auxiliary_power_w: vehicle.spec().auxiliary_power_w,
+            weather: None,
         }
     }
 
@@ -85,6 +89,7 @@ impl<'a> StepModel<'a> {
             .vehicle
             .road_load
             .under(weather, &self.vehicle.spec().weather);
+        self.weather = Some(*weather);
         Ok(self)
     }
 
@@ -102,6 +107,12 @@ impl<'a> StepModel<'a> {
     #[must_use]
     pub fn vehicle(&self) -> &'a Vehicle {
         self.vehicle
+    }
+
+    /// The weather; `None` is that of the road load.
+    #[must_use]
+    pub fn weather(&self) -> Option<Weather> {
+        self.weather
     }
 
     /// Power of the auxiliaries, W.
@@ -199,6 +210,29 @@ impl<'a> StepModel<'a> {
         self.road_load.rolling_n(speed_mps, step.cos_slope)
             + self.road_load.aero_n(speed_mps)
             + vehicle.spec().mass_kg * crate::GRAVITY_MPS2 * step.sin_slope
+    }
+
+    /// Energy and budget of a drive over steps between speeds in m/s, one more than steps, with stands given as slope angle in rad and
+    /// time in s.
+    pub fn drive_energy(
+        &self,
+        steps: &[RoadStep],
+        speed_mps: &[f64],
+        stands: impl IntoIterator<Item = (f64, f64)>,
+    ) -> TripEnergy {
+        let mut sum = PowerSum::default();
+        let mut duration_s = 0.0;
+        for (step, ends) in steps.iter().zip(speed_mps.windows(2)) {
+            let point = self.operating_point(step, ends[0], ends[1]);
+            let time_s = step.length_m / point.speed_mps;
+            sum.add(&point, time_s);
+            duration_s += time_s;
+        }
+        for (slope_rad, time_s) in stands {
+            sum.add(&self.at(&RoadStep::new(1.0, slope_rad), 0.0, 0.0), time_s);
+            duration_s += time_s;
+        }
+        sum.energy(self.vehicle, 1.0, duration_s)
     }
 
     /// The formulas that give the energy, with derivatives; `None` where losses are a table.

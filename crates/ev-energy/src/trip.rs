@@ -71,40 +71,13 @@ impl Vehicle {
         let mut points = self.trip_points(trip)?;
         let mut sum = PowerSum::default();
         for point in points.by_ref() {
-            sum.add(&point);
+            sum.add(&point, 1.0);
             visit(&point);
         }
-        let step_s = trip.step_s;
-        let battery_energy_j = sum.battery_w * step_s;
-        Ok(TripEnergy {
-            distance_m: sum.speed_mps * step_s,
-            duration_s: trip.speed_mps.len().saturating_sub(1) as f64 * step_s,
-            battery_energy_j,
-            terminal_energy_j: sum.terminal_w * step_s,
-            wall_energy_j: battery_energy_j / self.spec().battery.charging_efficiency,
-            budget: Budget {
-                inertia_j: sum.inertia_w * step_s,
-                rolling_j: sum.rolling_w * step_s,
-                aero_j: sum.aero_w * step_s,
-                grade_j: sum.grade_w * step_s,
-                gear_loss_j: sum.gear_loss_w * step_s,
-                motor_loss_j: sum.motor_loss_w * step_s,
-                auxiliary_j: sum.auxiliary_w * step_s,
-                battery_loss_j: sum.battery_loss_w * step_s,
-                friction_brake_j: sum.friction_brake_w * step_s,
-                regenerated_j: sum.regenerated_w * step_s,
-            },
-            wheel: WheelEnergy {
-                propelled_j: sum.propelled_w * step_s,
-                braked_j: sum.braked_w * step_s,
-            },
-            limited: LimitedTotals {
-                torque_s: sum.torque_limited * step_s,
-                battery_s: sum.battery_limited * step_s,
-                undelivered_j: sum.undelivered_w * step_s,
-            },
-            soc_end_pct: points.soc_pct,
-        })
+        let duration_s = trip.speed_mps.len().saturating_sub(1) as f64 * trip.step_s;
+        let mut energy = sum.energy(self, trip.step_s, duration_s);
+        energy.soc_end_pct = points.soc_pct;
+        Ok(energy)
     }
 
     /// Operating points of a trip, one per step, `n − 1` for `n` samples.
@@ -283,9 +256,9 @@ fn check_channel(
     }
 }
 
-/// Sums of powers over the steps of a trip.
+/// Sums of powers over steps, each with a weight.
 #[derive(Default)]
-struct PowerSum {
+pub(crate) struct PowerSum {
     speed_mps: f64,
     battery_w: f64,
     terminal_w: f64,
@@ -309,26 +282,60 @@ struct PowerSum {
 
 impl PowerSum {
     #[inline(always)]
-    fn add(&mut self, point: &OperatingPoint) {
+    pub(crate) fn add(&mut self, point: &OperatingPoint, weight: f64) {
         let v = point.speed_mps;
-        self.speed_mps += v.abs();
-        self.battery_w += point.battery_power_w;
-        self.terminal_w += point.terminal_power_w;
-        self.inertia_w += point.inertia_n * v;
-        self.rolling_w += point.rolling_n * v;
-        self.aero_w += point.aero_n * v;
-        self.grade_w += point.grade_n * v;
-        self.gear_loss_w += point.gear_loss_w;
-        self.motor_loss_w += point.motor_loss_w;
-        self.auxiliary_w += point.auxiliary_power_w;
-        self.battery_loss_w += point.battery_loss_w;
-        self.friction_brake_w += point.friction_brake_w;
-        self.regenerated_w += larger(-point.terminal_power_w, 0.0);
-        self.undelivered_w += point.undelivered_w;
+        self.speed_mps += weight * v.abs();
+        self.battery_w += weight * point.battery_power_w;
+        self.terminal_w += weight * point.terminal_power_w;
+        self.inertia_w += weight * (point.inertia_n * v);
+        self.rolling_w += weight * (point.rolling_n * v);
+        self.aero_w += weight * (point.aero_n * v);
+        self.grade_w += weight * (point.grade_n * v);
+        self.gear_loss_w += weight * point.gear_loss_w;
+        self.motor_loss_w += weight * point.motor_loss_w;
+        self.auxiliary_w += weight * point.auxiliary_power_w;
+        self.battery_loss_w += weight * point.battery_loss_w;
+        self.friction_brake_w += weight * point.friction_brake_w;
+        self.regenerated_w += weight * larger(-point.terminal_power_w, 0.0);
+        self.undelivered_w += weight * point.undelivered_w;
         let wheel_w = point.wheel_force_n * v;
-        self.propelled_w += larger(wheel_w, 0.0);
-        self.braked_w += larger(-wheel_w, 0.0);
-        self.torque_limited += f64::from(u8::from(point.limited.torque));
-        self.battery_limited += f64::from(u8::from(point.limited.battery));
+        self.propelled_w += weight * larger(wheel_w, 0.0);
+        self.braked_w += weight * larger(-wheel_w, 0.0);
+        self.torque_limited += weight * f64::from(u8::from(point.limited.torque));
+        self.battery_limited += weight * f64::from(u8::from(point.limited.battery));
+    }
+
+    /// The energy of steps of a time in s each for a weight of 1; without a state of charge.
+    pub(crate) fn energy(&self, vehicle: &Vehicle, step_s: f64, duration_s: f64) -> TripEnergy {
+        let battery_energy_j = self.battery_w * step_s;
+        TripEnergy {
+            distance_m: self.speed_mps * step_s,
+            duration_s,
+            battery_energy_j,
+            terminal_energy_j: self.terminal_w * step_s,
+            wall_energy_j: battery_energy_j / vehicle.spec().battery.charging_efficiency,
+            budget: Budget {
+                inertia_j: self.inertia_w * step_s,
+                rolling_j: self.rolling_w * step_s,
+                aero_j: self.aero_w * step_s,
+                grade_j: self.grade_w * step_s,
+                gear_loss_j: self.gear_loss_w * step_s,
+                motor_loss_j: self.motor_loss_w * step_s,
+                auxiliary_j: self.auxiliary_w * step_s,
+                battery_loss_j: self.battery_loss_w * step_s,
+                friction_brake_j: self.friction_brake_w * step_s,
+                regenerated_j: self.regenerated_w * step_s,
+            },
+            wheel: WheelEnergy {
+                propelled_j: self.propelled_w * step_s,
+                braked_j: self.braked_w * step_s,
+            },
+            limited: LimitedTotals {
+                torque_s: self.torque_limited * step_s,
+                battery_s: self.battery_limited * step_s,
+                undelivered_j: self.undelivered_w * step_s,
+            },
+            soc_end_pct: None,
+        }
     }
 }

@@ -79,6 +79,12 @@ impl<'a> Problem<'a> {
         &self.columns
     }
 
+    /// Its steps, one less than nodes.
+    #[must_use]
+    pub fn steps(&self) -> &[RoadStep] {
+        &self.steps
+    }
+
     /// The car.
     #[must_use]
     pub fn model(&self) -> &StepModel<'a> {

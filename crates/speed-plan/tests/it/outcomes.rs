@@ -192,7 +192,10 @@ fn braking_and_climbing_have_their_limits() {
     else {
         panic!("{answer:?}");
     };
-    assert!((500.0..1000.0).contains(&position_m) && slope_rad > 0.4, "{position_m} {slope_rad}");
+    assert!(
+        (500.0..1000.0).contains(&position_m) && slope_rad > 0.4,
+        "{position_m} {slope_rad}"
+    );
 }
 
 #[test]

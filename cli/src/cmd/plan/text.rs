@@ -1,0 +1,128 @@
+use std::fmt::Write as _;
+
+use assistance::{Bound, PlanDocument, PlanOutcome};
+use ev_energy::JOULES_PER_KWH;
+use report::terminal::{Table, number};
+
+use super::Body;
+
+/// Kilowatt hours that are easier to read.
+const PLACES: usize = 3;
+
+/// Rows of the plan over the road, at most.
+const ROWS: usize = 24;
+
+pub(super) fn text(body: &Body) -> String {
+    let road = &body.road;
+    let mut text = format!(
+        "{:.2} km, {}, {}, {} ({} nodes)\n",
+        road.length_m / 1e3,
+        crate::words::plural(road.stops, "stop"),
+        crate::words::plural(road.signals, "signal"),
+        body.vehicle,
+        road.nodes
+    );
+    if let Some(obstacle) = &body.obstacle {
+        let _ = writeln!(text, "\nno plan: {}", obstacle.words);
+    }
+    for plan in &body.plans {
+        let _ = write!(text, "\n{}\n{}", summary(plan), course(plan).render());
+    }
+    if !body.frontier.is_empty() {
+        let mut table = Table::new(["arrival s", "kWh", "price W", "gap %"]);
+        for point in &body.frontier {
+            table.row([
+                number(point.time_s, 1),
+                number(point.energy_j / JOULES_PER_KWH, PLACES),
+                number(point.price_w, 0),
+                number(point.gap_pct, 4),
+            ]);
+        }
+        let _ = write!(text, "\n{}", table.render());
+    }
+    text
+}
+
+fn summary(plan: &PlanDocument) -> String {
+    let kwh = |energy_j: f64| energy_j / JOULES_PER_KWH;
+    let mut text = format!(
+        "arrives after {:.1} s (earliest {:.1} s){}\n",
+        plan.time_s,
+        plan.earliest_arrival_s,
+        match plan.outcome {
+            PlanOutcome::Early => ", before it has to: later would not be cheaper",
+            PlanOutcome::Optimal => "",
+        }
+    );
+    let _ = writeln!(
+        text,
+        "takes {:.4} kWh from the cells, {:.2} kWh/100 km at the terminals",
+        kwh(plan.energy_j),
+        plan.consumption_kwh_per_100km
+    );
+    let _ = writeln!(
+        text,
+        "no other plan takes less than {:.4} kWh: a gap of {:.4} % ({})",
+        kwh(plan.lower_bound_j),
+        plan.gap_pct,
+        match plan.bound {
+            Bound::Proven => "proven",
+            Bound::Numerical => "searched numerically",
+        }
+    );
+    let _ = writeln!(
+        text,
+        "a second later at the end saves {:.2} kJ; sampled at 10 Hz it takes {:+.3} %; jerk {:.2} m/s³ (95 %), {:.2} m/s³ at most",
+        plan.price_w / 1e3,
+        100.0 * (plan.sampled_energy_j - plan.energy_j) / plan.energy_j.abs().max(1.0),
+        plan.jerk_p95_mps3,
+        plan.jerk_max_mps3
+    );
+    for signal in &plan.signals {
+        let _ = writeln!(
+            text,
+            "signal at {:.0} m: {} after {:.1} s{}",
+            signal.position_m,
+            if signal.stood_s > 0.0 {
+                "left"
+            } else {
+                "passed"
+            },
+            signal.passage_s,
+            if signal.stood_s > 0.0 {
+                format!(", stood {:.1} s", signal.stood_s)
+            } else {
+                String::new()
+            }
+        );
+    }
+    text
+}
+
+/// Speed over the road at places that are evenly apart, and where the car stands.
+fn course(plan: &PlanDocument) -> Table {
+    let nodes = &plan.nodes;
+    let mut table = Table::new(["m", "km/h", "limit", "s", "wheel kN"]);
+    let last = nodes.position_m.len() - 1;
+    let apart_m = (nodes.position_m[last] - nodes.position_m[0]) / ROWS as f64;
+    let mut next_m = nodes.position_m[0];
+    for k in 0..=last {
+        let stands = nodes.speed_mps[k] <= 0.0;
+        if nodes.position_m[k] < next_m && !stands && k < last {
+            continue;
+        }
+        next_m = nodes.position_m[k] + apart_m;
+        let force = nodes
+            .force_n
+            .get(k)
+            .map_or_else(|| "–".to_owned(), |force| number(force / 1e3, 2));
+        table.row([
+            number(nodes.position_m[k], 0),
+            number(3.6 * nodes.speed_mps[k], 1),
+            number(3.6 * nodes.limit_mps[k], 0),
+            number(nodes.arrival_s[k], 1),
+            force,
+        ]);
+    }
+    table
+}

@@ -1,0 +1,295 @@
+use ev_energy::{Budget, Error, JOULES_PER_KWH};
+use serde::Serialize;
+use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof};
+
+use crate::sampled::SampledPlan;
+
+/// What came of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlanOutcome {
+    /// Nothing costs less by more than the gap.
+    Optimal,
+    /// Neither does anything, and it arrives before it had to.
+    Early,
+}
+
+/// How far the bound can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    /// Proven, but for rounding.
+    Proven,
+    /// Its minima were searched numerically.
+    Numerical,
+}
+
+/// One plan as `drivekit/plan/1` gives it.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlanDocument {
+    /// What came of it.
+    pub outcome: PlanOutcome,
+    /// Energy from the cells, J.
+    pub energy_j: f64,
+    /// Energy at the terminals of the battery, J.
+    pub terminal_energy_j: f64,
+    /// Arrival, s.
+    pub time_s: f64,
+    /// Latest arrival that was asked for, s; `None` at a price of time.
+    pub latest_arrival_s: Option<f64>,
+    /// Earliest arrival within limits and accelerations, s.
+    pub earliest_arrival_s: f64,
+    /// Price of time, W.
+    pub price_w: f64,
+    /// No plan takes less energy, J.
+    pub lower_bound_j: f64,
+    /// Energy above the bound, % of the larger of |energy| and a tenth of the energy turned over.
+    pub gap_pct: f64,
+    /// Whether the bound was proven.
+    pub bound: Bound,
+    /// Consumption at the terminals, kWh per 100 km.
+    pub consumption_kwh_per_100km: f64,
+    /// Where the energy goes.
+    pub budget: Budget,
+    /// Kinetic energy at the end less that at the start, J.
+    pub kinetic_difference_j: f64,
+    /// Energy of the same motion sampled at 10 Hz, J.
+    pub sampled_energy_j: f64,
+    /// Steps between nodes.
+    pub steps: usize,
+    /// Time that planning took, ms; `None` without wall times.
+    pub solve_ms: Option<f64>,
+    /// 95th percentile of the jerk, m/s³.
+    pub jerk_p95_mps3: f64,
+    /// Largest jerk, m/s³.
+    pub jerk_max_mps3: f64,
+    /// Passages of the signals.
+    pub signals: Vec<SignalPassage>,
+    /// The plan itself.
+    pub nodes: Nodes,
+}
+
+/// How a signal is passed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SignalPassage {
+    /// Its place, m.
+    pub position_m: f64,
+    /// When the car passes or leaves it, s.
+    pub passage_s: f64,
+    /// The green window of the passage, s.
+    pub window_s: Option<[f64; 2]>,
+    /// How long the car stood there, s.
+    pub stood_s: f64,
+}
+
+/// A plan by columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Nodes {
+    /// Position of every node, m.
+    pub position_m: Vec<f64>,
+    /// Speed at every node, m/s.
+    pub speed_mps: Vec<f64>,
+    /// Arrival at every node, s.
+    pub arrival_s: Vec<f64>,
+    /// Limit at every node, m/s.
+    pub limit_mps: Vec<f64>,
+    /// Slope angle of every step, rad.
+    pub slope_rad: Vec<f64>,
+    /// Force at the wheels in every step, N.
+    pub force_n: Vec<f64>,
+}
+
+impl PlanDocument {
+    /// Describes a plan.
+    ///
+    /// # Errors
+    /// As [`ev_energy::Vehicle::trip_energy`].
+    pub fn new(
+        problem: &Problem,
+        plan: &Plan,
+        demand: Demand,
+        solve_ms: Option<f64>,
+    ) -> Result<Self, Error> {
+        let columns = problem.columns();
+        let model = problem.model();
+        let stands = plan
+            .stood_s
+            .iter()
+            .enumerate()
+            .filter(|(_, stood_s)| **stood_s > 0.0)
+            .map(|(node, stood_s)| (problem.node_slope_rad(node), *stood_s));
+        let energy = model.drive_energy(problem.steps(), &plan.speed_mps, stands);
+        let sampled = SampledPlan::new(problem, plan);
+        let [jerk_p95_mps3, jerk_max_mps3] = sampled.jerk_mps3();
+        let ends = problem.steps().iter().zip(plan.speed_mps.windows(2));
+        let force_n = ends
+            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]).wheel_force_n)
+            .collect();
+        let kinetic_j =
+            |v: Option<&f64>| 0.5 * model.vehicle().effective_mass_kg() * v.map_or(0.0, |v| v * v);
+        let speeds = &plan.speed_mps;
+        Ok(Self {
+            outcome: match plan.arrival {
+                Arrival::AsAsked => PlanOutcome::Optimal,
+                Arrival::Early => PlanOutcome::Early,
+            },
+            energy_j: plan.energy_j,
+            terminal_energy_j: energy.terminal_energy_j,
+            time_s: plan.time_s,
+            latest_arrival_s: match demand {
+                Demand::Arrival(latest_s) => Some(latest_s),
+                Demand::Price(_) => None,
+            },
+            earliest_arrival_s: plan.earliest_arrival_s,
+            price_w: plan.price_w,
+            lower_bound_j: plan.lower_bound_j,
+            gap_pct: plan.gap_pct,
+            bound: match plan.proof {
+                Proof::Proven => Bound::Proven,
+                Proof::Numerical => Bound::Numerical,
+            },
+            consumption_kwh_per_100km: energy.terminal_energy_j
+                / JOULES_PER_KWH
+                / (energy.distance_m / 1e5),
+            budget: energy.budget,
+            kinetic_difference_j: kinetic_j(speeds.last()) - kinetic_j(speeds.first()),
+            sampled_energy_j: sampled.energy_j(model)?,
+            steps: problem.steps().len(),
+            solve_ms,
+            jerk_p95_mps3,
+            jerk_max_mps3,
+            signals: passages(problem, plan),
+            nodes: Nodes {
+                position_m: columns.position_m.clone(),
+                speed_mps: plan.speed_mps.clone(),
+                arrival_s: plan.arrival_s.clone(),
+                limit_mps: columns.max_mps.clone(),
+                slope_rad: columns.slope_rad.clone(),
+                force_n,
+            },
+        })
+    }
+}
+
+fn passages(problem: &Problem, plan: &Plan) -> Vec<SignalPassage> {
+    let columns = problem.columns();
+    let passage = |signal: &speed_plan::Signal| {
+        let passage_s = plan.arrival_s[signal.node] + plan.stood_s[signal.node];
+        let holds =
+            |window: &&[f64; 2]| window[0] - 1e-5 <= passage_s && passage_s <= window[1] + 1e-5;
+        SignalPassage {
+            position_m: columns.position_m[signal.node],
+            passage_s,
+            window_s: signal.green_s.iter().find(holds).copied(),
+            stood_s: plan.stood_s[signal.node],
+        }
+    };
+    columns.signals.iter().map(passage).collect()
+}
+
+/// A road as documents list it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RoadDocument {
+    /// Length, m.
+    pub length_m: f64,
+    /// Nodes of the grid.
+    pub nodes: usize,
+    /// Stops on the way.
+    pub stops: usize,
+    /// Signals.
+    pub signals: usize,
+    /// Whether a leader is ahead.
+    pub leader: bool,
+}
+
+impl RoadDocument {
+    /// Describes the road of a problem.
+    #[must_use]
+    pub fn new(problem: &Problem) -> Self {
+        let columns = problem.columns();
+        let last = problem.nodes() - 1;
+        Self {
+            length_m: columns.position_m[last] - columns.position_m[0],
+            nodes: problem.nodes(),
+            stops: columns.max_mps[1..last]
+                .iter()
+                .filter(|max| **max <= 0.0)
+                .count(),
+            signals: columns.signals.len(),
+            leader: !columns.earliest_s.is_empty(),
+        }
+    }
+}
+
+/// Why nothing can be driven.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObstacleDocument {
+    /// `too_late`, `signals_unreachable`, `leader_blocks`, `cannot_stop`, `cannot_accelerate` or `too_steep`.
+    pub outcome: &'static str,
+    /// In words.
+    pub words: String,
+    /// Where, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_m: Option<f64>,
+    /// Earliest arrival, or earliest passage of the signal, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub earliest_s: Option<f64>,
+}
+
+impl ObstacleDocument {
+    /// Describes an obstacle of a problem.
+    #[must_use]
+    pub fn new(problem: &Problem, obstacle: &Obstacle) -> Self {
+        let (outcome, position_m, earliest_s) = match *obstacle {
+            Obstacle::TooLate { earliest_arrival_s } => {
+                ("too_late", None, Some(earliest_arrival_s))
+            }
+            Obstacle::LeaderBlocks { earliest_arrival_s } => {
+                ("leader_blocks", None, Some(earliest_arrival_s))
+            }
+            Obstacle::SignalsUnreachable {
+                node, earliest_s, ..
+            } => {
+                let position_m = problem.columns().position_m[node];
+                ("signals_unreachable", Some(position_m), Some(earliest_s))
+            }
+            Obstacle::CannotStop { position_m, .. } => ("cannot_stop", Some(position_m), None),
+            Obstacle::CannotAccelerate { position_m, .. } => {
+                ("cannot_accelerate", Some(position_m), None)
+            }
+            Obstacle::TooSteep { position_m, .. } => ("too_steep", Some(position_m), None),
+        };
+        Self {
+            outcome,
+            words: obstacle.to_string(),
+            position_m,
+            earliest_s,
+        }
+    }
+}
+
+/// A point of the frontier of energy over time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrontierPoint {
+    /// Arrival, s.
+    pub time_s: f64,
+    /// Energy from the cells, J.
+    pub energy_j: f64,
+    /// Price of time, W.
+    pub price_w: f64,
+    /// Gap to the bound, %.
+    pub gap_pct: f64,
+}
+
+impl FrontierPoint {
+    /// Of a plan.
+    #[must_use]
+    pub fn new(plan: &Plan) -> Self {
+        Self {
+            time_s: plan.time_s,
+            energy_j: plan.energy_j,
+            price_w: plan.price_w,
+            gap_pct: plan.gap_pct,
+        }
+    }
+}
