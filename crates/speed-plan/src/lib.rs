@@ -1,4 +1,51 @@
-//! Energy-optimal speed.
+//! The speed over a road that takes the least energy, and a bound on what any other could save.
+//!
+//! Nodes `s_0 … s_N` lie along the road, the acceleration between two is constant, and the energy of a step is that of
+//! [`ev_energy::StepModel`]. With the squared speeds `z = v²`:
+//!
+//! ```text
+//! minimise   Σ E_k(z_k, z_{k+1}) + Σ P_stand · dwell
+//! subject to lo ≤ v ≤ hi at every node,    b(v̄) ≤ a_k ≤ A(v̄),    motor and battery within their limits,
+//!            t_N ≤ T,    t at every signal in a green window,    t_k ≥ t_leader(s_k + s0) + h
+//! ```
+//!
+//! [`Road::columns`] lays the nodes, [`Problem::new`] checks them with a car and an [`Envelope`] of accelerations, and [`plan`]
+//! answers: a [`Plan`] or the [`Obstacle`] in its way. Limits, stops, accelerations and the arrival are kept exactly. Every plan
+//! carries `lower_bound_j`: no motion on these nodes takes less energy. Where losses are a formula it is proven, but for rounding.
+//!
+//! ```
+//! use ev_energy::{StepModel, Vehicle};
+//! use speed_plan::{Answer, Demand, Envelope, Problem, Road, Settings, plan};
+//!
+//! let car = Vehicle::builtin("b250e")?;
+//! let road = Road { length_m: 2000.0, stops: vec![(1200.0, 10.0)], ..Road::default() };
+//! let problem = Problem::new(StepModel::new(&car), Envelope::default(), road.columns()?)?;
+//!
+//! let Answer::Plan(plan) = plan(&problem, Demand::Arrival(200.0), &Settings::default())? else {
+//!     return Err("nothing can be driven".into());
+//! };
+//! assert!((plan.time_s - 200.0).abs() < 1e-6);
+//! assert!(plan.gap_pct < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # How
+//!
+//! - The reachable box: forward with the largest acceleration, backward with the strongest braking. Its upper edge is the fastest
+//!   plan.
+//! - A primal–dual interior point method in `z`: tridiagonal, one border per bound on a passing time.
+//! - The bound: for any price of time and any potentials of the squared speeds, the sum of the least costs of the single steps. Its
+//!   minima over two speeds are found by branch and bound; most steps are convex, and one tangent plane is the proof.
+//! - Signals and leaders: branch and bound over passing before or after a red and standing or not; passing times behind a leader are
+//!   bounded where they are violated.
+//! - Losses by table: nested dynamic programming, with a bound whose minima are searched numerically.
+//!
+//! # References
+//!
+//! - S. Wright: Primal-Dual Interior-Point Methods, SIAM 1997.
+//! - A. Sciarretta, A. Vahidi: Energy-Efficient Driving of Road Vehicles, Springer 2020 (optimal speed over distance).
+//! - R. E. Moore, R. B. Kearfott, M. J. Cloud: Introduction to Interval Analysis, SIAM 2009.
+//! - R. Bellman: Dynamic Programming, Princeton 1957.
 
 mod bound;
 mod by_table;

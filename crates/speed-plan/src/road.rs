@@ -291,10 +291,9 @@ impl Road {
             match merged.last_mut() {
                 Some(last) if place.position_m - last.position_m < SAME_PLACE_M => {
                     last.still |= place.still;
-                    if place.position_m >= self.length_m && merged.len() > 1 {
-                        if let Some(last) = merged.last_mut() {
-                            last.position_m = self.length_m;
-                        }
+                    let is_start = last.position_m <= 0.0;
+                    if place.position_m >= self.length_m && !is_start {
+                        last.position_m = self.length_m;
                     }
                 }
                 _ => merged.push(place),

@@ -85,6 +85,14 @@ struct Relaxed {
     feasible: bool,
 }
 
+enum Relaxation {
+    Solved(Box<Relaxed>),
+    /// No plan is in the part.
+    Empty,
+    /// None was found.
+    Failed,
+}
+
 pub(crate) struct Search<'a> {
     problem: &'a Problem<'a>,
     formula: StepFormula,
@@ -159,8 +167,13 @@ impl<'a> Search<'a> {
                 left_j = left_j.min(part.bound_j);
                 break;
             }
-            let Some(relaxed) = self.relax(&part) else {
-                continue;
+            let relaxed = match self.relax(&part) {
+                Relaxation::Solved(relaxed) => *relaxed,
+                Relaxation::Empty => continue,
+                Relaxation::Failed => {
+                    left_j = left_j.min(part.bound_j);
+                    continue;
+                }
             };
             let bound_j = relaxed.bound_j.max(part.bound_j);
             let with_stands_j: f64 = relaxed
@@ -176,7 +189,7 @@ impl<'a> Search<'a> {
                 left_j = left_j.min(part.bound_j);
                 continue;
             }
-            let children = self.split(&part, &relaxed, bound_j);
+            let children = self.split(&part, &relaxed);
             let keeps = self.keeps_signals(&relaxed.drive);
             if relaxed.feasible && keeps && self.improves(&relaxed.drive) {
                 self.best = Some(relaxed);
@@ -229,8 +242,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The best plan of a part with its bound; `None` where there is none.
-    fn relax(&mut self, part: &Part) -> Option<Relaxed> {
+    /// The best plan of a part with its bound.
+    fn relax(&mut self, part: &Part) -> Relaxation {
         let problem = self.problem;
         let (mut low, mut high) = (problem.min_z.clone(), problem.max_z.clone());
         let mut task = Task::default();
@@ -274,11 +287,13 @@ impl<'a> Search<'a> {
                 time_s: latest_s,
             });
         }
-        let reachable = Reachable::within(problem, low.clone(), high.clone(), 1.0).ok()?;
+        let Ok(reachable) = Reachable::within(problem, low.clone(), high.clone(), 1.0) else {
+            return Relaxation::Empty;
+        };
         if !self.can_keep(&task, &reachable) {
-            return None;
+            return Relaxation::Empty;
         }
-        let mut start = self.start(&reachable, low, high)?;
+        let mut start = self.start(&reachable, &low, &high);
         let mut barrier_j = FIRST_BARRIER_J;
         if let Some(near) = &self.near {
             let clear = |(start, near): (&f64, &f64)| start + NEARNESS * (near - start);
@@ -286,16 +301,13 @@ impl<'a> Search<'a> {
             barrier_j = WARM_BARRIER_J;
         }
         loop {
-            let ip =
-                InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)?;
+            let Some(ip) =
+                InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)
+            else {
+                return Relaxation::Failed;
+            };
             let solution = ip.solve(self.precision);
             self.solved += 1;
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
-                eprintln!(
-                    "ip {} converged {}",
-                    solution.iterations, solution.converged
-                );
-            }
             let waits: Vec<(usize, f64)> = task
                 .waits
                 .iter()
@@ -312,11 +324,10 @@ impl<'a> Search<'a> {
                     &reachable,
                     &task,
                     &solution,
-                    0.0,
                     0.1 * 0.01 * self.settings.max_gap_pct * drive.scale_j(),
                     &may_stand,
                 );
-                return Some(Relaxed {
+                return Relaxation::Solved(Box::new(Relaxed {
                     drive,
                     bound_j: bound.energy_j,
                     standing_extra_j: bound.standing_extra_j,
@@ -325,7 +336,7 @@ impl<'a> Search<'a> {
                     reachable,
                     task,
                     feasible,
-                });
+                }));
             }
             let earliest_s = &problem.columns.earliest_s;
             task.time_bounds
@@ -362,13 +373,14 @@ impl<'a> Search<'a> {
     }
 
     /// Squared speeds strictly within the box, at gentle accelerations where they suffice.
-    fn start(&self, reachable: &Reachable, low: Vec<f64>, high: Vec<f64>) -> Option<Vec<f64>> {
+    fn start(&self, reachable: &Reachable, low: &[f64], high: &[f64]) -> Vec<f64> {
         for share in [GENTLE, 0.9, 0.98] {
-            if let Ok(gentle) = Reachable::within(self.problem, low.clone(), high.clone(), share) {
-                return Some(inside(&gentle, reachable));
+            if let Ok(gentle) = Reachable::within(self.problem, low.to_vec(), high.to_vec(), share)
+            {
+                return inside(&gentle, reachable);
             }
         }
-        Some(inside(reachable, reachable))
+        inside(reachable, reachable)
     }
 
     /// Nodes where a drive is the furthest ahead of what the leader allows, one for every stretch.
@@ -389,7 +401,7 @@ impl<'a> Search<'a> {
     }
 
     /// Smaller parts; none where nothing is left to divide.
-    fn split(&self, part: &Part, relaxed: &Relaxed, passing_bound_j: f64) -> Vec<Part> {
+    fn split(&self, part: &Part, relaxed: &Relaxed) -> Vec<Part> {
         let signals = &self.problem.columns.signals;
         for (index, signal) in signals.iter().enumerate() {
             let time_s = relaxed.drive.leaving_s(signal.node);
@@ -411,7 +423,6 @@ impl<'a> Search<'a> {
                 return vec![decided(true), decided(false)];
             }
         }
-        let _ = passing_bound_j;
         self.split_speed(part, relaxed)
     }
 
@@ -463,12 +474,13 @@ impl<'a> Search<'a> {
             Demand::Price(price_w) => price_w * drive.time_s(),
             Demand::Arrival(_) => 0.0,
         };
-        let lower_bound_j = left_j.min(best.bound_j).max(left_j.min(f64::MAX)) - spent_on_time_j;
-        let lower_bound_j = if lower_bound_j.is_finite() {
-            lower_bound_j
+        // Where nothing is left open, the part of the best plan says what there is to say.
+        let least_j = if left_j < f64::INFINITY {
+            left_j
         } else {
-            best.bound_j - spent_on_time_j
+            best.bound_j
         };
+        let lower_bound_j = least_j - spent_on_time_j;
         let early = matches!(self.demand, Demand::Arrival(latest_s)
             if price_w < NO_PRICE_W && drive.time_s() < latest_s - 1e-6);
         let scale_j = drive.scale_j();

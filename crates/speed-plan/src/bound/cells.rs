@@ -133,7 +133,7 @@ impl StepCost<'_> {
             // Nothing can be driven: any number is below it.
             return best;
         };
-        let (near, rest) = self.convex_part(&whole, &lines);
+        let (near, rest) = self.convex_part(&whole);
         let mut open: BinaryHeap<Open> = rest
             .into_iter()
             .filter_map(|cell| self.within_accelerations(cell))
@@ -165,9 +165,9 @@ impl StepCost<'_> {
     }
 
     /// The least where the cost is convex, by the tangent plane at the plan, and what is left: what is slower or accelerates more.
-    fn convex_part(&self, cell: &Cell, lines: &Lines) -> (f64, Vec<Cell>) {
+    fn convex_part(&self, cell: &Cell) -> (f64, Vec<Cell>) {
         let nothing = || (f64::INFINITY, vec![*cell]);
-        if self.linear_in_w(lines) != 0.0 {
+        if !self.problem.envelope.is_constant() {
             return nothing();
         }
         let [from, to] = self.at;
@@ -340,9 +340,9 @@ impl StepCost<'_> {
         }
         let sum = Interval::new(cell.from.low + cell.to.low, cell.from.high + cell.to.high);
         let flat = self.flat_bound(sum, w, accel);
-        let at = self.nearest(cell);
+        let is_plan = cell.from.contains(self.at[0]) && cell.to.contains(self.at[1]);
+        let at = if is_plan { self.at } else { self.nearest(cell) };
         let patch = self.hull(cell, at, lines);
-        let is_plan = at == self.at;
         let seen = if is_plan {
             f64::INFINITY
         } else {
@@ -365,9 +365,6 @@ impl StepCost<'_> {
         let reach = 2.0 * self.road().length_m();
         let (min, max) = (cell.accel.low, cell.accel.high);
         let to = self.at[1].clamp(cell.to.low, cell.to.high);
-        if from == self.at[0] && to == self.at[1] {
-            return self.at;
-        }
         let to = to.max(from + reach * min).min(from + reach * max);
         [from, to.clamp(cell.to.low, cell.to.high)]
     }
@@ -396,7 +393,7 @@ impl StepCost<'_> {
     /// where the table lies beyond its line; and that rest over a range of speeds.
     fn accel_terms(&self, at: [f64; 2], w: Interval, lines: &Lines) -> (Tangent, f64) {
         let [upper, lower] = self.accel_multiplier;
-        if upper == 0.0 && lower == 0.0 {
+        if upper <= 0.0 && lower <= 0.0 {
             return (Tangent::default(), 0.0);
         }
         let line =

@@ -46,6 +46,10 @@ impl Interval {
         }
     }
 
+    pub(super) fn contains(self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+
     /// Largest magnitude.
     pub(super) fn magnitude(self) -> f64 {
         self.low.abs().max(self.high.abs())

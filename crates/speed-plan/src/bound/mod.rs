@@ -30,7 +30,7 @@ const MOST_CELLS: usize = 400;
 
 /// What every plan costs at least at given prices and potentials.
 pub(crate) struct Bound {
-    /// Energy in J that any plan needs that keeps the time bounds and, at a price of time, takes as long as the one it was asked for.
+    /// Energy in J, and time at its price, that any plan needs that keeps the time bounds.
     pub(crate) energy_j: f64,
     /// How much more it takes to stand at each of several nodes, J; below 0 where the bound holds for passing only.
     pub(crate) standing_extra_j: Vec<f64>,
@@ -45,7 +45,6 @@ pub(crate) fn lower_bound(
     reachable: &Reachable,
     task: &Task,
     solution: &Solution,
-    time_s: f64,
     tolerance_j: f64,
     may_stand: &[usize],
 ) -> Bound {
@@ -86,7 +85,6 @@ pub(crate) fn lower_bound(
             sum.add((problem.standing_power_w(k) + solution.step_price_w[k]) * dwell_s);
         }
     }
-    sum.add(-task.price_w * time_s);
     for (bound, multiplier) in task.time_bounds.iter().zip(&solution.multipliers_w) {
         let sign = if bound.at_most { -1.0 } else { 1.0 };
         sum.add(sign * multiplier * bound.time_s);
@@ -204,25 +202,6 @@ impl<'a> Bounder<'a> {
             most_cells: MOST_CELLS,
         };
         let least = cost.least_j(from, to);
-        if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
-            let g = cost.cost_j(at[0], at[1]);
-            if g - least > 2.0 * self.tolerance_j + 0.2 {
-                eprintln!(
-                    "step {step:4} h {:6.2} v {:6.3}..{:6.3} box {:6.3}..{:6.3} {:6.3}..{:6.3} cost {g:12.3} least {least:12.3} loss {:10.4} shares {:?} price {price_w} {:?} slope {:.4}",
-                    problem.steps[step].length_m(),
-                    at[0].sqrt(),
-                    at[1].sqrt(),
-                    from.low.sqrt(),
-                    from.high.sqrt(),
-                    to.low.sqrt(),
-                    to.high.sqrt(),
-                    g - least,
-                    cost.shares,
-                    solution.accel_multiplier[step],
-                    problem.columns.slope_rad[step]
-                );
-            }
-        }
         (least, cost.cost_j(at[0], at[1]) - least)
     }
 }

@@ -6,90 +6,15 @@
 //!            ±(t_j − T_j) ≤ 0 at bounded nodes
 //! ```
 
+mod newton;
+mod task;
+
 use ev_energy::{KinkWidths, SmoothStep, StepFormula};
 
 use crate::problem::{Problem, mean_speed};
 use crate::reachable::Reachable;
-use crate::tridiagonal::{Tridiagonal, solve_dense};
-
-/// A bound on the time at which a node is passed, or left after waiting there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct TimeBound {
-    pub(crate) node: usize,
-    /// After the wait at the node rather than on arrival.
-    pub(crate) after_wait: bool,
-    /// No later than the time; otherwise no earlier.
-    pub(crate) at_most: bool,
-    pub(crate) time_s: f64,
-}
-
-impl TimeBound {
-    fn sign(&self) -> f64 {
-        if self.at_most { 1.0 } else { -1.0 }
-    }
-
-    /// Whether time spent waiting at a node counts.
-    fn includes_wait_at(&self, node: usize) -> bool {
-        node < self.node || (self.after_wait && node == self.node)
-    }
-}
-
-/// What is solved.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Task {
-    /// Price of time on the whole trip, W.
-    pub(crate) price_w: f64,
-    pub(crate) time_bounds: Vec<TimeBound>,
-    /// Nodes where the car stands and may wait for as long as it likes.
-    pub(crate) waits: Vec<usize>,
-}
-
-impl Task {
-    /// Price of the time that is spent waiting at a node, W.
-    pub(crate) fn price_of_wait(&self, node: usize, multipliers_w: &[f64]) -> f64 {
-        let bounds = self.time_bounds.iter().zip(multipliers_w);
-        let later = bounds.filter(|(bound, _)| bound.includes_wait_at(node));
-        self.price_w + later.map(|(bound, m)| bound.sign() * m).sum::<f64>()
-    }
-}
-
-/// How precisely.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Precision {
-    /// Barrier at the end, J.
-    pub(crate) barrier_j: f64,
-    pub(crate) most_iterations: usize,
-}
-
-impl Default for Precision {
-    fn default() -> Self {
-        Self {
-            barrier_j: 2e-3,
-            most_iterations: 150,
-        }
-    }
-}
-
-/// Where the method ended.
-#[derive(Debug, Clone)]
-pub(crate) struct Solution {
-    /// Squared speeds, m²/s².
-    pub(crate) z: Vec<f64>,
-    /// Waits, s.
-    pub(crate) waits_s: Vec<f64>,
-    /// Multiplier of every time bound, W; at least 0.
-    pub(crate) multipliers_w: Vec<f64>,
-    /// Price of time of every step, W.
-    pub(crate) step_price_w: Vec<f64>,
-    /// Derivative of the step before a node by the node's squared speed, J/(m²/s²).
-    pub(crate) potential: Vec<f64>,
-    /// Multipliers of the largest and the smallest acceleration of every step, J/(m/s²).
-    pub(crate) accel_multiplier: Vec<[f64; 2]>,
-    /// Width of rounded kinks at the end, N.
-    pub(crate) kink_width_n: f64,
-    pub(crate) iterations: usize,
-    pub(crate) converged: bool,
-}
+use newton::{Direction, Newton};
+pub(crate) use task::{Precision, Solution, Task, TimeBound};
 
 /// Width of rounded kinks at the end, N.
 const LEAST_WIDTH_N: f64 = 0.02;
@@ -339,14 +264,6 @@ impl<'a> InteriorPoint<'a> {
                 converged = true;
                 break;
             }
-            if std::env::var_os("SPEED_PLAN_TRACE").is_some() {
-                eprintln!(
-                    "{iterations:3} mu {:9.3e} decrement {:9.3e} taken {taken:.3} t {:.6} late {late:.2e}",
-                    self.barrier_j,
-                    step.decrement_j,
-                    self.passing_s.last().unwrap_or(&0.0)
-                );
-            }
             let average_j = self.complementarity();
             let factor = if taken > 0.8 {
                 0.3
@@ -360,7 +277,7 @@ impl<'a> InteriorPoint<'a> {
             }
         }
         self.evaluate_derivatives();
-        self.finish(iterations, converged)
+        self.finish(converged)
     }
 
     /// Largest violation of the equations `t + s = T`, s.
@@ -474,12 +391,6 @@ impl<'a> InteriorPoint<'a> {
         let before = self.merit(&step.multipliers);
         let (z, waits) = (self.z.clone(), self.waits.clone());
         let bounds = self.bounds.clone();
-        let old_passing: Vec<f64> = self
-            .task
-            .time_bounds
-            .iter()
-            .map(|b| self.passing_time(b))
-            .collect();
         for trial in 0..30 {
             for (k, z) in z.iter().enumerate() {
                 self.z[k] = z + share * step.z[k];
@@ -496,7 +407,7 @@ impl<'a> InteriorPoint<'a> {
             }
             share *= 0.5;
         }
-        self.update_multipliers(step, &z, &waits, &bounds, &old_passing, share);
+        self.update_multipliers(step, &z, &waits, &bounds, share);
         share
     }
 
@@ -506,7 +417,6 @@ impl<'a> InteriorPoint<'a> {
         z: &[f64],
         waits: &[Pair],
         bounds: &[[StepBound; KINDS]],
-        old_passing: &[f64],
         share: f64,
     ) {
         let mu = self.barrier_j;
@@ -518,26 +428,19 @@ impl<'a> InteriorPoint<'a> {
                 .max(0.005 * multiplier)
                 .clamp(mu / (1e4 * now), 1e4 * mu / now)
         };
-        for k in 0..self.z.len() {
-            if self.fixed[k] {
-                continue;
-            }
+        for (k, z) in z.iter().enumerate().filter(|(k, _)| !self.fixed[*k]) {
             let [low, high] = self.speed_multiplier[k];
             let (l, h) = (self.reachable.low[k], self.reachable.high[k]);
             self.speed_multiplier[k] = [
-                next(z[k] - l, step.z[k], low, self.z[k] - l),
-                next(h - z[k], -step.z[k], high, h - self.z[k]),
+                next(z - l, step.z[k], low, self.z[k] - l),
+                next(h - z, -step.z[k], high, h - self.z[k]),
             ];
         }
-        for k in 0..self.bounds.len() {
-            for kind in 0..KINDS {
-                let old = bounds[k][kind];
-                if !old.active || old.slack <= 0.0 {
-                    continue;
-                }
+        for (k, (old, now)) in bounds.iter().zip(&mut self.bounds).enumerate() {
+            let active = |(old, _): &(&StepBound, &mut StepBound)| old.active && old.slack > 0.0;
+            for (old, now) in old.iter().zip(now).filter(active) {
                 let change = old.gradient[0] * step.z[k] + old.gradient[1] * step.z[k + 1];
-                let now = self.bounds[k][kind].slack;
-                self.bounds[k][kind].multiplier = next(old.slack, change, old.multiplier, now);
+                now.multiplier = next(old.slack, change, old.multiplier, now.slack);
             }
         }
         for (k, old) in waits.iter().enumerate() {
@@ -555,9 +458,7 @@ impl<'a> InteriorPoint<'a> {
                 (old.multiplier + share * (full - old.multiplier)).max(0.02 * old.multiplier);
             // The slack that belongs to the new time, or what is left of the old one.
             let exact = bound.sign() * (bound.time_s - self.passing_time(bound));
-            let residual = bound.sign() * (old_passing[k] - bound.time_s) + old.slack;
             let change = (mu - old.slack * full) / old.multiplier;
-            let _ = residual;
             let slack = (old.slack + share * change).max(0.02 * old.slack);
             let slack = if exact > 0.2 * slack && exact < 5.0 * slack {
                 exact
@@ -568,7 +469,7 @@ impl<'a> InteriorPoint<'a> {
         }
     }
 
-    fn finish(self, iterations: usize, converged: bool) -> Solution {
+    fn finish(self, converged: bool) -> Solution {
         let multipliers_w: Vec<f64> = self.times.iter().map(|pair| pair.multiplier).collect();
         let step_price_w = self.prices(multipliers_w.iter().copied());
         let mut potential = vec![0.0; self.z.len()];
@@ -595,204 +496,8 @@ impl<'a> InteriorPoint<'a> {
             step_price_w,
             potential,
             accel_multiplier,
-            iterations,
             converged,
             z: self.z,
         }
     }
-}
-
-/// A Newton step.
-#[derive(Debug, Default)]
-struct Direction {
-    z: Vec<f64>,
-    waits: Vec<f64>,
-    /// New multipliers of the time bounds.
-    multipliers: Vec<f64>,
-    /// Half of it is what the quadratic model gains, J.
-    decrement_j: f64,
-}
-
-#[derive(Default)]
-struct Newton {
-    matrix: Tridiagonal,
-    gradient: Vec<f64>,
-}
-
-impl Newton {
-    fn direction(&mut self, ip: &InteriorPoint) -> Direction {
-        let nodes = ip.z.len();
-        self.assemble(ip);
-        self.matrix.factorise();
-        let mut step = self.gradient.iter().map(|g| -g).collect::<Vec<_>>();
-        self.matrix.solve(&mut step);
-
-        let mu = ip.barrier_j;
-        // Waits are diagonal.
-        let wait_h: Vec<f64> = ip.waits.iter().map(|w| w.multiplier / w.slack).collect();
-        let wait_g: Vec<f64> = ip
-            .task
-            .waits
-            .iter()
-            .zip(&ip.waits)
-            .map(|(node, wait)| {
-                ip.problem.standing_power_w(*node) + ip.task.price_w - mu / wait.slack
-            })
-            .collect();
-        let mut waits: Vec<f64> = wait_g.iter().zip(&wait_h).map(|(g, h)| -g / h).collect();
-
-        let borders: Vec<Vec<f64>> = ip
-            .task
-            .time_bounds
-            .iter()
-            .map(|bound| {
-                let mut gradient = vec![0.0; nodes];
-                for k in 0..bound.node {
-                    gradient[k] += ip.steps[k].time_gradient[0];
-                    gradient[k + 1] += ip.steps[k].time_gradient[1];
-                }
-                for (g, fixed) in gradient.iter_mut().zip(&ip.fixed) {
-                    *g = if *fixed { 0.0 } else { bound.sign() * *g };
-                }
-                gradient
-            })
-            .collect();
-        let wait_border = |bound: &TimeBound, wait: usize| {
-            if bound.includes_wait_at(ip.task.waits[wait]) {
-                bound.sign()
-            } else {
-                0.0
-            }
-        };
-        let solved: Vec<Vec<f64>> = borders
-            .iter()
-            .map(|border| {
-                let mut x = border.clone();
-                self.matrix.solve(&mut x);
-                x
-            })
-            .collect();
-        let count = borders.len();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut schur = vec![0.0; count * count];
-        let mut multipliers = vec![0.0; count];
-        for i in 0..count {
-            let bound = &ip.task.time_bounds[i];
-            let pair = ip.times[i];
-            let residual = bound.sign() * (ip.passing_time(bound) - bound.time_s) + pair.slack;
-            for j in 0..=i {
-                let other = &ip.task.time_bounds[j];
-                let by_waits: f64 = (0..waits.len())
-                    .map(|w| wait_border(bound, w) * wait_border(other, w) / wait_h[w])
-                    .sum();
-                schur[i * count + j] = dot(&borders[i], &solved[j]) + by_waits;
-                schur[j * count + i] = schur[i * count + j];
-            }
-            schur[i * count + i] += pair.slack / pair.multiplier;
-            let by_waits: f64 = (0..waits.len())
-                .map(|w| wait_border(bound, w) * waits[w])
-                .sum();
-            multipliers[i] = dot(&borders[i], &step) + by_waits + residual + mu / pair.multiplier;
-        }
-        if !solve_dense(&mut schur, &mut multipliers) {
-            multipliers = ip.times.iter().map(|pair| pair.multiplier).collect();
-        }
-        for (multiplier, solved) in multipliers.iter().zip(&solved) {
-            for (step, solved) in step.iter_mut().zip(solved) {
-                *step -= multiplier * solved;
-            }
-        }
-        for (w, wait) in waits.iter_mut().enumerate() {
-            let bounds = ip.task.time_bounds.iter().zip(&multipliers);
-            let pull: f64 = bounds.map(|(bound, m)| wait_border(bound, w) * m).sum();
-            *wait -= pull / wait_h[w];
-        }
-        // Slope of the merit along the step, at the new multipliers.
-        let mut slope = dot(&self.gradient, &step) + dot(&wait_g, &waits);
-        for (i, multiplier) in multipliers.iter().enumerate() {
-            let bound = &ip.task.time_bounds[i];
-            let by_waits: f64 = (0..waits.len())
-                .map(|w| wait_border(bound, w) * waits[w])
-                .sum();
-            slope += multiplier * (dot(&borders[i], &step) + by_waits);
-        }
-        Direction {
-            z: step,
-            waits,
-            multipliers,
-            decrement_j: -slope,
-        }
-    }
-
-    fn assemble(&mut self, ip: &InteriorPoint) {
-        let nodes = ip.z.len();
-        let mu = ip.barrier_j;
-        self.matrix.clear(nodes);
-        self.gradient.clear();
-        self.gradient.resize(nodes, 0.0);
-        let price = ip.prices(ip.times.iter().map(|pair| pair.multiplier));
-        for k in 0..nodes - 1 {
-            let step = &ip.steps[k];
-            let e = step.energy_hessian;
-            let t = step.time_hessian;
-            let mut h = semidefinite([0, 1, 2].map(|i| e[i] + price[k] * t[i]));
-            let mut g =
-                [0, 1].map(|i| step.energy_gradient[i] + ip.task.price_w * step.time_gradient[i]);
-            for bound in ip.bounds[k]
-                .iter()
-                .filter(|bound| bound.active && bound.slack > 0.0)
-            {
-                let weight = bound.multiplier / bound.slack;
-                let [g0, g1] = bound.gradient;
-                h[0] += weight * g0 * g0;
-                h[1] += weight * g0 * g1;
-                h[2] += weight * g1 * g1;
-                g[0] -= mu / bound.slack * g0;
-                g[1] -= mu / bound.slack * g1;
-            }
-            self.matrix.diagonal[k] += h[0];
-            self.matrix.diagonal[k + 1] += h[2];
-            self.matrix.off[k] = h[1];
-            self.gradient[k] += g[0];
-            self.gradient[k + 1] += g[1];
-        }
-        for k in 0..nodes {
-            if ip.fixed[k] {
-                self.matrix.diagonal[k] = 1.0;
-                self.gradient[k] = 0.0;
-                if k > 0 {
-                    self.matrix.off[k - 1] = 0.0;
-                }
-                if k + 1 < nodes {
-                    self.matrix.off[k] = 0.0;
-                }
-                continue;
-            }
-            let room = [
-                ip.z[k] - ip.reachable.low[k],
-                ip.reachable.high[k] - ip.z[k],
-            ];
-            let [low, high] = ip.speed_multiplier[k];
-            self.matrix.diagonal[k] += low / room[0] + high / room[1] + 1e-12;
-            self.gradient[k] += mu / room[1] - mu / room[0];
-        }
-    }
-}
-
-/// The nearest positive semidefinite matrix to `[00, 01, 11]`.
-#[inline(always)]
-fn semidefinite(h: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = h;
-    if a >= 0.0 && c >= 0.0 && a * c >= b * b {
-        return h;
-    }
-    let (middle, half) = (0.5 * (a + c), 0.5 * (a - c));
-    let radius = (half * half + b * b).sqrt();
-    let larger = middle + radius;
-    if larger <= 0.0 {
-        return [0.0; 3];
-    }
-    // larger · v vᵀ with the unit eigenvector v: (I + [half, b; b, −half]/radius)/2.
-    let scale = 0.5 * larger / radius;
-    [scale * (radius + half), scale * b, scale * (radius - half)]
 }
