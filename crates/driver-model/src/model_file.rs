@@ -205,6 +205,10 @@ impl ModelFile {
             file.training
                 .check(memory, file.behaviour)
                 .map_err(|what| refuse(format!("its memory is not of the model: {what}")))?;
+            file.training.check_hashes().map_err(refuse)?;
+            memory
+                .check_config(model.kind(), &file.config)
+                .map_err(refuse)?;
         }
         Ok(Self {
             version: file.version,
@@ -252,7 +256,7 @@ fn flag(key: &str, value: &Value) -> Option<String> {
 }
 
 /// Whether two settings are equal, numbers but for the rounding of a change of unit.
-fn is_same(a: &Value, b: &Value) -> bool {
+pub(crate) fn is_same(a: &Value, b: &Value) -> bool {
     match (a.as_f64(), b.as_f64()) {
         (Some(a), Some(b)) => (a - b).abs() < 1e-9,
         _ => a == b,
@@ -281,6 +285,25 @@ impl TrainingRecord {
             prior_weight: self.prior_weight,
             ..by
         }
+    }
+
+    /// Which of the logs has a SHA-256 that is none, or is not written as [`drive_log::sha256`] does.
+    fn check_hashes(&self) -> Result<(), String> {
+        let is_digit = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+        for (field, inputs) in [
+            ("inputs", &self.inputs),
+            ("prior_inputs", &self.prior_inputs),
+        ] {
+            let is_none = |input: &TrainingInput| {
+                input.sha256.len() != 64 || !input.sha256.bytes().all(is_digit)
+            };
+            if let Some(k) = inputs.iter().position(is_none) {
+                return Err(format!(
+                    "training.{field}[{k}].sha256 is not 64 digits of 0-9 and a-f"
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// What of a memory is not what this says that the model was fitted to.
