@@ -19,8 +19,10 @@ use crate::places;
 pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<Cli> {
     let args: Vec<OsString> = args.into_iter().collect();
     let mut command = Cli::command();
+    let mut table = Table::new();
     if let Some(path) = config_path(&args) {
-        command = with_defaults(command, &path)?;
+        table = read(&path)?;
+        command = with_defaults(command, &path, &table)?;
     }
     let matches = command.try_get_matches_from_mut(args)?;
     if let Some(matches) = matches.subcommand_matches("segment") {
@@ -31,7 +33,10 @@ pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> anyhow::Result<
     if let (Command::Fit(args), Some((_, matches))) = (&mut cli.command, matches.subcommand()) {
         let is_given = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
         let ids = matches.ids().map(clap::Id::as_str);
-        args.given = ids.filter(is_given).map(str::to_owned).collect();
+        let ids = ids.filter(is_given).map(|id| id.replace('_', "-"));
+        let of_fit = table.get("fit").and_then(Value::as_table);
+        let keys = table.keys().chain(of_fit.into_iter().flat_map(Table::keys));
+        args.given = ids.chain(keys.cloned()).collect();
     }
     Ok(cli)
 }
@@ -49,14 +54,20 @@ fn config_path(args: &[OsString]) -> Option<PathBuf> {
     None
 }
 
-/// Top-level keys are flags of whichever subcommands have them; a table `[evaluate]` holds flags of that one alone.
-fn with_defaults(mut command: clap::Command, path: &Path) -> anyhow::Result<clap::Command> {
+fn read(path: &Path) -> anyhow::Result<Table> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the configuration `{}`", path.display()))?;
-    let table: Table = text
-        .parse()
-        .with_context(|| format!("`{}` is not TOML", path.display()))?;
-    for (key, value) in &table {
+    text.parse()
+        .with_context(|| format!("`{}` is not TOML", path.display()))
+}
+
+/// Top-level keys are flags of whichever subcommands have them; a table `[evaluate]` holds flags of that one alone.
+fn with_defaults(
+    mut command: clap::Command,
+    path: &Path,
+    table: &Table,
+) -> anyhow::Result<clap::Command> {
+    for (key, value) in table {
         let place = format!("`{}`: key `{key}`", path.display());
         command = match value {
             Value::Table(flags) => with_subcommand_defaults(command, &[], key, flags, path)?,

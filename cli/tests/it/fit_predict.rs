@@ -301,8 +301,22 @@ fn drives_are_added_to_a_model_as_if_they_had_been_there() {
     update(&["--min-gain", "5"]).refused(&["--min-gain 5", "--min-gain 8"]);
     update(&["--model", "profile"]).refused(&["--update", "--model"]);
     update(&["--phase", "braking"]).refused(&["--update", "--phase"]);
-    update(&["--step", "0.2"]).refused(&["--step 0.1", "read them alike"]);
-    let run = update(&["--min-gain", "8"]).ok();
+    for (name, given) in [("step", "0.2"), ("max-gap", "5"), ("slope-bandwidth", "30")] {
+        let flag = format!("--{name}");
+        update(&[&flag, given]).refused(&[&format!("{flag} {given}"), "leave it out"]);
+    }
+    let config = file("config.toml");
+    for (text, words) in [
+        ("max-gap = 5", "--max-gap 5"),
+        ("[fit]\nraw = true", "without --raw"),
+        ("phase = \"acceleration\"", "--phase braking"),
+        ("[fit]\nprior = [\"x.csv\"]", "--prior"),
+    ] {
+        fs::write(&config, text).unwrap();
+        update(&["--config", &config]).refused(&[words, "leave it out"]);
+    }
+    fs::write(&config, "min-gain = 8\n[evaluate]\nstep = 0.2").unwrap();
+    let run = update(&["--min-gain", "8", "--config", &config]).ok();
     assert!(
         run.stderr.contains("has learnt from it already"),
         "{}",

@@ -67,6 +67,7 @@ mod layout;
 pub mod limit_map;
 mod lines;
 mod log;
+mod longitude;
 mod note;
 mod number;
 mod openacc;

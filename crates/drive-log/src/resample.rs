@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::longitude::{turned_deg, unrolled_deg};
 use crate::quality::Checked;
 use crate::statistics::median_step_s;
 use crate::{
@@ -135,7 +136,15 @@ fn resampled(
             options.max_gap_s
         };
         let holds = channel == Channel::SpeedLimit;
+        let is_longitude = channel == Channel::Longitude;
+        let unrolled = is_longitude.then(|| unrolled_deg(values));
+        let values = unrolled.as_deref().unwrap_or(values);
         let mut on_grid = interpolated(time_s, values, options.step_s, len, max_gap_s, holds);
+        if is_longitude {
+            on_grid
+                .iter_mut()
+                .for_each(|deg| *deg = turned_deg(*deg, 0.0));
+        }
         if let (Channel::Speed, Smoothing::Hann(length)) = (channel, options.smooth) {
             on_grid = hann(&on_grid, length);
         }

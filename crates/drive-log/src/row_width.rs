@@ -7,6 +7,8 @@ use crate::text::Table;
 use crate::top::SNIFFED_ROWS;
 use crate::{Error, TableError};
 
+const CURE: &str = "complete or delete the line, begin it with # where it is a comment, and use one delimiter throughout";
+
 /// The fields of a row: as many as headers, or more if the surplus is empty.
 pub(crate) fn checked_row<'r>(
     path: &Path,
@@ -15,7 +17,7 @@ pub(crate) fn checked_row<'r>(
     row: &'r str,
 ) -> Result<Vec<&'r str>, Error> {
     let expected = table.head.headers.len();
-    checked_fields(path, table.delimiter, expected, line, row)
+    checked_fields(path, table.delimiter, expected, line, row, CURE)
         .map_err(|ragged| width_of_all(path, table).unwrap_or(ragged))
 }
 
@@ -49,6 +51,7 @@ pub(crate) fn checked_fields<'r>(
     expected: usize,
     line: usize,
     row: &'r str,
+    cure: &'static str,
 ) -> Result<Vec<&'r str>, Error> {
     let line_text = row;
     let row = fields(row, delimiter);
@@ -63,6 +66,7 @@ pub(crate) fn checked_fields<'r>(
                 .into_iter()
                 .find(|other| fields(line_text, *other).len() == expected && expected > 1)
                 .map(char::from),
+            cure,
         }
         .into());
     }

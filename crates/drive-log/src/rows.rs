@@ -24,6 +24,8 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Steps within this share of the nominal one are not worth a remark: loggers stamp with some jitter.
 const STEP_TOLERANCE: f64 = 0.1;
 
+const CURE: &str = "a stream has whole rows with one delimiter, and no comments";
+
 /// Acceleration that tyres cannot transmit, and what a coarse sensor may add in one step.
 const TYRE_LIMIT_MPS2: f64 = 10.0;
 const COARSE_STEP_MPS: f64 = 1.0;
@@ -140,7 +142,7 @@ impl<R: BufRead> RowReader<R> {
     /// What a row tells, or what is wrong with it.
     fn sample(&mut self, text: &str, remark: &mut dyn FnMut(String)) -> Result<Sample, String> {
         let (path, line) = (&self.lines.path, self.lines.line);
-        let row = checked_fields(path, self.delimiter, self.headers.len(), line, text)
+        let row = checked_fields(path, self.delimiter, self.headers.len(), line, text, CURE)
             .map_err(|error| error.to_string())?;
         let headers = &self.headers;
         let place = |column: ChannelColumn| {

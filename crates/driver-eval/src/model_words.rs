@@ -15,7 +15,7 @@ use crate::words::{listed, plural};
 /// Where a model learnt from speeds that were smoothed otherwise than those of this configuration: what to make of its bands.
 #[must_use]
 pub fn reading_words(file: &ModelFile, config: &Value) -> Option<String> {
-    let [then, now] = file.read_otherwise(&["smooth", "raw"], config)?;
+    let [then, now] = file.configured_otherwise(&["smooth", "raw"], config)?;
     Some(format!(
         "the model learnt from logs read {then}, and these are read {now}: its bands and intervals are not those of such speeds"
     ))

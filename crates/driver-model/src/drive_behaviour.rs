@@ -2,7 +2,9 @@ use crate::cruise::{CruiseSettings, CruiseStretch, cruise_stretches};
 use crate::following::{FollowingSettings, FollowingStretch, following_stretches};
 use crate::grid::below;
 use crate::segmentation::{HeuristicRules, PhaseExtent, StatisticalRules};
-use crate::{AccelPoint, Error, Motion, PhaseCurve, PhaseKind, PointsOf, Span, error, motion};
+use crate::{
+    AccelPoint, Error, Motion, Phase, PhaseCurve, PhaseKind, PointsOf, Span, error, motion,
+};
 
 /// How phases are found in a drive, and which of them count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +44,12 @@ impl PhaseSettings {
     #[must_use]
     pub fn reaching(self, extent: PhaseExtent) -> Self {
         Self { extent, ..self }
+    }
+
+    /// Whether a phase is long enough and gains enough.
+    pub(crate) fn counts(&self, phase: &Phase) -> bool {
+        !below(phase.duration_s(), self.min_duration_s)
+            && !below(phase.gain_mps().abs(), self.min_gain_mps)
     }
 }
 
@@ -264,10 +272,7 @@ fn counting<'a>(
 ) -> impl Iterator<Item = (Span, PhaseCurve)> + 'a {
     phases.iter().filter_map(|phase| {
         let curve = PhaseCurve::cut(motion, phase)?;
-        let outline = curve.outline();
-        let counts = phase.kind == curve.kind()
-            && !below(outline.duration_s(), settings.min_duration_s)
-            && !below(outline.gain_mps().abs(), settings.min_gain_mps);
+        let counts = phase.kind == curve.kind() && settings.counts(&curve.outline());
         counts.then_some((*phase, curve))
     })
 }

@@ -61,6 +61,14 @@ pub enum Error {
         /// What was found, and what to do.
         reason: String,
     },
+    /// A setting of an update is not that of the model.
+    #[error("{now}: the model was fitted {then}; leave it out, also of a configuration file")]
+    Configured {
+        /// What is asked for, such as "with --max-gap 5".
+        now: String,
+        /// What the model was fitted with.
+        then: String,
+    },
     /// The optimiser stopped without a usable point.
     #[error("fitting `{model}` failed: {reason}")]
     Fit {

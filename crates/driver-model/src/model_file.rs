@@ -115,19 +115,48 @@ impl ModelFile {
         self.memory.as_ref().ok_or(Error::NoMemory { model })
     }
 
-    /// How the logs of a fit were read and how others are, by these keys of both configurations, where that differs; such as "with --smooth none".
+    /// What the configuration of the fit and another one say of the first of these keys in which they differ; such as "with --smooth none".
     #[must_use]
-    pub fn read_otherwise(&self, keys: &[&str], config: &Value) -> Option<[String; 2]> {
+    pub fn configured_otherwise(&self, keys: &[&str], config: &Value) -> Option<[String; 2]> {
         let words = |key: &str, value: &Value| match value {
-            Value::Bool(true) => format!("with --{key}"),
-            Value::Bool(false) => format!("without --{key}"),
-            Value::String(text) => format!("with --{key} {text}"),
-            other => format!("with --{key} {other}"),
+            Value::Bool(false) | Value::Null => format!("without --{}", flag_name(key)),
+            value => {
+                let flag = flag(key, value).unwrap_or_default();
+                format!("with {}", flag.replacen('=', " ", 1))
+            }
         };
         keys.iter().find_map(|key| {
             let (then, now) = (self.config.get(*key)?, config.get(*key)?);
-            (then != now).then(|| [words(key, then), words(key, now)])
+            (!is_same(then, now)).then(|| [words(key, then), words(key, now)])
         })
+    }
+
+    /// The flags of a fit configured as before, but for these keys `of_new_logs`, which are as in the configuration `asked`.
+    ///
+    /// # Errors
+    /// [`Error::Configured`] where a flag with one of the names `given` says otherwise, [`Error::ModelFile`] where the file has no such setting.
+    pub fn flags_again(
+        &self,
+        asked: &Value,
+        of_new_logs: &[&str],
+        given: &[String],
+    ) -> Result<Vec<String>, Error> {
+        let mut flags = Vec::new();
+        for (key, new) in asked.as_object().into_iter().flatten() {
+            if of_new_logs.contains(&key.as_str()) {
+                flags.extend(flag(key, new));
+                continue;
+            }
+            let differs = self.configured_otherwise(&[key], asked);
+            if let (Some([then, now]), true) = (differs, given.contains(&flag_name(key))) {
+                return Err(Error::Configured { now, then });
+            }
+            let then = self.config.get(key).ok_or_else(|| Error::ModelFile {
+                reason: format!("no `config.{key}`; fit the model anew"),
+            })?;
+            flags.extend(flag(key, then));
+        }
+        Ok(flags)
     }
 
     /// Parses and checks a model file.
@@ -176,6 +205,10 @@ impl ModelFile {
             file.training
                 .check(memory, file.behaviour)
                 .map_err(|what| refuse(format!("its memory is not of the model: {what}")))?;
+            file.training.check_hashes().map_err(refuse)?;
+            memory
+                .check_config(model.kind(), &file.config)
+                .map_err(refuse)?;
         }
         Ok(Self {
             version: file.version,
@@ -197,6 +230,36 @@ impl ModelFile {
             .map_err(|error| refuse(error.to_string()))?;
         text.push(b'\n');
         String::from_utf8(text).map_err(|error| refuse(error.to_string()))
+    }
+}
+
+fn flag_name(key: &str) -> String {
+    key.replace('_', "-")
+}
+
+/// A setting as a flag; none for one that is off.
+fn flag(key: &str, value: &Value) -> Option<String> {
+    let text = |value: &Value| {
+        let text = value.as_str().map(str::to_owned);
+        text.unwrap_or_else(|| value.to_string())
+    };
+    let name = flag_name(key);
+    Some(match value {
+        Value::Null | Value::Bool(false) => return None,
+        Value::Bool(true) => format!("--{name}"),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().map(text).collect();
+            format!("--{name}={}", items.join(","))
+        }
+        value => format!("--{name}={}", text(value)),
+    })
+}
+
+/// Whether two settings are equal, numbers but for the rounding of a change of unit.
+pub(crate) fn is_same(a: &Value, b: &Value) -> bool {
+    match (a.as_f64(), b.as_f64()) {
+        (Some(a), Some(b)) => (a - b).abs() < 1e-9,
+        _ => a == b,
     }
 }
 
@@ -222,6 +285,25 @@ impl TrainingRecord {
             prior_weight: self.prior_weight,
             ..by
         }
+    }
+
+    /// Which of the logs has a SHA-256 that is none, or is not written as [`drive_log::sha256`] does.
+    fn check_hashes(&self) -> Result<(), String> {
+        let is_digit = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+        for (field, inputs) in [
+            ("inputs", &self.inputs),
+            ("prior_inputs", &self.prior_inputs),
+        ] {
+            let is_none = |input: &TrainingInput| {
+                input.sha256.len() != 64 || !input.sha256.bytes().all(is_digit)
+            };
+            if let Some(k) = inputs.iter().position(is_none) {
+                return Err(format!(
+                    "training.{field}[{k}].sha256 is not 64 digits of 0-9 and a-f"
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// What of a memory is not what this says that the model was fitted to.

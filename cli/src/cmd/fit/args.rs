@@ -82,7 +82,7 @@ pub(crate) struct FitArgs {
     #[command(flatten)]
     #[serde(skip)]
     pub(super) require: RequireArgs,
-    /// Flags that the command line has.
+    /// Names of the flags that the command line or `--config` has.
     #[arg(skip)]
     #[serde(skip)]
     pub(crate) given: Vec<String>,

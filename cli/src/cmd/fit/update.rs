@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, bail};
-use driver_model::{Manoeuvre, ModelFile, PointsOf};
-use serde_json::Value;
+use anyhow::{Context as _, anyhow, bail};
+use clap::{Args as _, FromArgMatches as _};
+use driver_model::ModelFile;
 
-use super::args::{FitArgs, Phase, Points};
+use super::args::FitArgs;
 use crate::flags::Context;
 use crate::inputs::{Inputs, notes};
+
+/// Settings that are not those of before.
+const OF_NEW_LOGS: [&str; 4] = ["layout", "limit_map", "on_error", "update"];
 
 /// What there was before.
 pub(super) struct Before {
@@ -25,47 +28,34 @@ impl Before {
         Ok(Self { file, name })
     }
 
-    /// The flags with what the file says; one that says otherwise is refused.
+    /// The flags with the configuration of the file for all but the new logs; what was given otherwise is refused.
     pub(super) fn completed(&self, args: &FitArgs) -> anyhow::Result<FitArgs> {
-        let memory = self.file.remembered()?;
-        let mut completed = args.clone();
-        completed.model = Some(self.file.model.kind());
-        completed.extent = self.file.training.extent;
-        completed.phase = match memory.manoeuvre() {
-            Manoeuvre::Acceleration => Phase::Acceleration,
-            Manoeuvre::Braking => Phase::Braking,
-        };
-        completed.to = match memory.points_of() {
-            PointsOf::Means => Points::Means,
-            PointsOf::Samples => Points::Samples,
-        };
-        let weight = self.file.config.get("prior_weight").and_then(Value::as_f64);
-        completed.prior.prior_weight = weight.unwrap_or(args.prior.prior_weight);
-        let (settings, phases) = (memory.settings(), &mut completed.phases);
-        let duration_s = settings.min_duration_s;
-        let gain_kmh = settings.min_gain_mps * 3.6;
-        let deadband_mps2 = settings.statistical.accel_deadband_mps2;
-        for (id, flag, found) in [
-            ("min_duration", &mut phases.min_duration, duration_s),
-            ("min_gain", &mut phases.min_gain, gain_kmh),
-            ("accel_deadband", &mut phases.accel_deadband, deadband_mps2),
-        ] {
-            let differs = (*flag - found).abs() > 1e-9;
-            if differs && args.given.iter().any(|given| given == id) {
-                let name = id.replace('_', "-");
-                bail!(
-                    "--{name} {flag}: the model learns from phases with --{name} {found}, as its file says; leave it out"
-                );
-            }
-            *flag = found;
+        if args.prior.is_given() {
+            bail!(
+                "--prior: the model keeps the other drivers that it has; leave it out, also of a configuration file"
+            );
         }
-        let reading = ["step", "smooth", "raw"];
-        match (self.file).read_otherwise(&reading, &serde_json::to_value(args)?) {
-            None => Ok(completed),
-            Some([then, now]) => bail!(
-                "the model learnt from logs read {then}, and these are read {now}; read them alike"
-            ),
-        }
+        let asked = serde_json::to_value(FitArgs {
+            update: None,
+            ..args.clone()
+        })?;
+        let flags = (self.file).flags_again(&asked, &OF_NEW_LOGS, &args.given)?;
+        let flags = ["fit", "--output=-"]
+            .into_iter()
+            .map(str::to_owned)
+            .chain(flags);
+        let command = FitArgs::augment_args(clap::Command::new("fit"));
+        let matches = command.try_get_matches_from(flags);
+        let mut completed = matches
+            .and_then(|matches| FitArgs::from_arg_matches(&matches))
+            .map_err(|error| anyhow!("`{}`, its `config`: {error}", self.name))?;
+        completed.logs.logs.clone_from(&args.logs.logs);
+        Ok(FitArgs {
+            update: args.update.clone(),
+            output: args.output.clone(),
+            require: args.require.clone(),
+            ..completed
+        })
     }
 
     /// The logs that the model has not learnt yet.

@@ -8,8 +8,7 @@ use std::path::PathBuf;
 pub enum TableError {
     /// A row has another number of fields than the header, or another delimiter.
     #[error(
-        "{}, line {line}: {} where {expected} are expected with the delimiter {delimiter:?}{}; \
-         complete or delete the line, begin it with # where it is a comment, and use one delimiter throughout",
+        "{}, line {line}: {} where {expected} are expected with the delimiter {delimiter:?}{}; {cure}",
         path.display(),
         if *found == 1 { "1 field".to_owned() } else { format!("{found} fields") },
         other.map_or(String::new(), |other| format!(" ({expected} with {other:?})"))
@@ -27,6 +26,8 @@ pub enum TableError {
         delimiter: char,
         /// A delimiter with which the row has as many fields as expected.
         other: Option<char>,
+        /// What to do, in words.
+        cure: &'static str,
     },
     /// All rows have another number of fields than the header.
     #[error(

@@ -17,6 +17,7 @@ use rstar::primitives::{GeomWithData, Line};
 use serde::Serialize;
 
 use crate::collection::SourcedDrive;
+use crate::longitude::turned_deg;
 use crate::{Channel, Error};
 
 /// Limits on roads: to 400 km/h.
@@ -27,6 +28,7 @@ const EARTH_RADIUS_M: f64 = 6_371_008.8;
 
 /// Positions are the same to the seventh digit, as OpenStreetMap keeps them.
 const PLACES_PER_DEG: f64 = 1e7;
+const PLACES_AROUND: i64 = 3_600_000_000;
 
 /// More ways than this meet nowhere.
 const MOST_AT_A_PLACE: usize = 64;
@@ -239,8 +241,10 @@ fn meeting(ways: &[Way]) -> Vec<Vec<usize>> {
     let mut at: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     for (number, way) in ways.iter().enumerate() {
         for position in &way.positions_deg {
-            let place = position.map(|deg| (deg * PLACES_PER_DEG).round() as i64);
-            at.entry(place).or_default().push(number);
+            let [east, north] = position.map(|deg| (deg * PLACES_PER_DEG).round() as i64);
+            at.entry([east.rem_euclid(PLACES_AROUND), north])
+                .or_default()
+                .push(number);
         }
     }
     let mut meeting = vec![Vec::new(); ways.len()];
@@ -264,10 +268,12 @@ struct Plane {
 }
 
 impl Plane {
-    /// Around the middle of positions.
+    /// Around the middle of positions, whichever side of 180° they are on.
     fn around<'a>(positions_deg: impl Iterator<Item = &'a [f64; 2]>) -> Self {
         let mut ends = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for position in positions_deg {
+        let mut first = None;
+        for &[east, north] in positions_deg {
+            let position = [turned_deg(east, *first.get_or_insert(east)), north];
             for axis in 0..2 {
                 ends[0][axis] = ends[0][axis].min(position[axis]);
                 ends[1][axis] = ends[1][axis].max(position[axis]);
@@ -282,6 +288,8 @@ impl Plane {
     }
 
     fn m(&self, position_deg: [f64; 2]) -> [f64; 2] {
+        let [east, north] = position_deg;
+        let position_deg = [turned_deg(east, self.origin_deg[0]), north];
         [0, 1].map(|axis| (position_deg[axis] - self.origin_deg[axis]) * self.m_per_deg[axis])
     }
 }

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Channel, DriveLog};
+use crate::{Channel, DriveLog, RawLog};
 
 /// About this many metres north of the equator's meridian, in degrees.
 fn deg(m: f64) -> f64 {
@@ -135,6 +135,40 @@ fn what_the_map_does_not_know_is_what_was_recorded() {
     );
     let nowhere = DriveLog::new("no", 0.0, 1.0, [(Channel::Speed, vec![1.0; 3])].into()).unwrap();
     assert_eq!(map.limits_along(&nowhere).1.no_position_s, 3.0);
+}
+
+/// One line across, and one that is cut there into two, as RFC 7946 asks for.
+#[test]
+fn maps_and_drives_cross_the_meridian_of_180_degrees() {
+    let feature = |kind: &str, coordinates: &str| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"maxspeed":"50"}},"geometry":{{"type":"{kind}","coordinates":{coordinates}}}}}"#
+        )
+    };
+    let time_s: Vec<f64> = (0..61).map(f64::from).collect();
+    let east: Vec<f64> = time_s
+        .iter()
+        .map(|t| turned_deg(179.997 + 1e-4 * t, 0.0))
+        .collect();
+    let channels = BTreeMap::from([
+        (Channel::Speed, vec![10.0; 61]),
+        (Channel::Longitude, east),
+        (Channel::Latitude, vec![-17.0; 61]),
+    ]);
+    let raw = RawLog::new("drive", time_s, channels).unwrap();
+    let drive = crate::prepare(raw, &crate::Preparation::default()).unwrap();
+    for map in [
+        map(&[feature("LineString", "[[179.99,-17],[-179.99,-17]]")]),
+        map(&[feature(
+            "MultiLineString",
+            "[[[179.99,-17],[180,-17]],[[-180,-17],[-179.99,-17]]]",
+        )]),
+    ] {
+        let (limits_mps, known) = map.limits_along(&drive.pieces[0]);
+        assert_eq!(limits_mps.len(), 601);
+        assert!(kmh(&limits_mps).iter().all(|v| *v == 50.0), "{known:?}");
+        assert!(map.ways() == 1 || map.meeting[0] == [1]);
+    }
 }
 
 #[test]

@@ -110,6 +110,7 @@ fn what_cannot_be_used_is_left_out_and_the_stream_goes_on() {
         (",2", "no value"),
         ("0.2,fast", "fast"),
         ("0.2", "field"),
+        ("# comment", "no comments; left out"),
         ("0.05,9", "comes after"),
         ("0.1,9", "comes after"),
         ("0.2,1e9", "outside"),

@@ -3,15 +3,19 @@
 use serde::{Deserialize, Serialize};
 
 use super::{PhaseMemory, PhaseRules, RememberedDrive, ShortPhase};
-use crate::{AccelPoint, DriverInput, Manoeuvre, Onset, Phase, PhaseCurve, PhaseKind, PointsOf};
+use crate::motion::samples_in;
+use crate::{
+    AccelPoint, BEGUN_S, DriverInput, Manoeuvre, Onset, Phase, PhaseCurve, PhaseExtent, PhaseKind,
+    PhaseSettings, PointsOf,
+};
 
-/// No car is faster, and none has a sensor that says so, m/s.
-const MOST_SPEED_MPS: f64 = 200.0;
+/// No car is faster, backward or forward, and none has a sensor that says so, m/s.
+const SPEED_MPS: std::ops::RangeInclusive<f64> = -20.0..=200.0;
 
 /// Beyond every acceleration, jerk, percentage and torque of a car.
 const MOST: f64 = 1e6;
 
-const STEP_S: std::ops::RangeInclusive<f64> = 1e-3..=60.0;
+pub(super) const STEP_S: std::ops::RangeInclusive<f64> = 1e-3..=60.0;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -114,71 +118,90 @@ impl TryFrom<OnDisk> for PhaseMemory {
     fn try_from(file: OnDisk) -> Result<Self, String> {
         let rules = file.rules;
         if !rules.are_usable() {
-            return Err("a rule by which phases are found is out of range".to_owned());
+            return Err("memory.rules: a number is out of range".to_owned());
         }
         if !(0.0..=MOST).contains(&file.prior_weight) {
-            return Err(format!("prior_weight = {} is no weight", file.prior_weight));
+            return Err(format!(
+                "memory.prior_weight = {} is no weight",
+                file.prior_weight
+            ));
         }
         let kind = PhaseKind::from(file.manoeuvre);
-        let drives = |whose: &str, drives: Vec<DriveOnDisk>| {
-            let numbered = drives.into_iter().enumerate();
-            numbered
-                .map(|(k, drive)| {
-                    let place = |what| format!("{whose}, number {k}: {what}");
-                    drive.checked(kind).map_err(place)
-                })
-                .collect::<Result<Vec<_>, String>>()
+        let settings = rules.settings();
+        let drives = |whose, drives| {
+            checked(whose, ".", drives, |d: DriveOnDisk| {
+                d.checked(&settings, kind)
+            })
         };
         Ok(Self {
             rules,
             manoeuvre: file.manoeuvre,
             points_of: file.points_of,
             prior_weight: file.prior_weight,
-            own: drives("own_drives", file.own_drives)?,
-            others: drives("other_drives", file.other_drives)?,
+            own: drives("memory.own_drives", file.own_drives)?,
+            others: drives("memory.other_drives", file.other_drives)?,
         })
     }
 }
 
+/// All items of a list, or the place of the first that is none, and why.
+fn checked<A, B>(
+    field: &str,
+    link: &str,
+    items: Vec<A>,
+    check: impl Fn(A) -> Result<B, String>,
+) -> Result<Vec<B>, String> {
+    let numbered = items.into_iter().enumerate();
+    numbered
+        .map(|(k, item)| check(item).map_err(|what| format!("{field}[{k}]{link}{what}")))
+        .collect()
+}
+
 impl DriveOnDisk {
-    fn checked(self, kind: PhaseKind) -> Result<RememberedDrive, String> {
-        let phases = self.phases.into_iter().map(|phase| {
-            let curve = phase.curve().filter(|curve| curve.kind() == kind);
-            curve.ok_or_else(|| format!("a phase that is no {} of a car", kind.name()))
-        });
-        let short = self.short_phases.iter().map(|short| {
-            let short = short.phase(kind);
-            short.ok_or_else(|| format!("a short phase that is no {} of a car", kind.name()))
-        });
-        let points = self.points.iter().map(|&[speed_mps, accel_mps2]| {
+    fn checked(self, settings: &PhaseSettings, kind: PhaseKind) -> Result<RememberedDrive, String> {
+        let point = |[speed_mps, accel_mps2]: [f64; 2]| {
             let usable = is_speed(speed_mps) && accel_mps2.abs() <= MOST;
             usable
                 .then(|| AccelPoint::new(speed_mps, accel_mps2))
-                .ok_or_else(|| "a point of acceleration that no car has".to_owned())
-        });
+                .ok_or_else(|| "an acceleration that no car has".to_owned())
+        };
         Ok(RememberedDrive {
-            phases: phases.collect::<Result<_, _>>()?,
-            short: short.collect::<Result<_, _>>()?,
-            points: points.collect::<Result<_, _>>()?,
+            phases: checked("phases", ": ", self.phases, |phase| {
+                phase.curve(settings, kind)
+            })?,
+            short: checked("short_phases", ": ", self.short_phases, |short| {
+                short.phase(settings, kind)
+            })?,
+            points: checked("points", ": ", self.points, point)?,
         })
     }
 }
 
 impl CurveOnDisk {
-    fn curve(self) -> Option<PhaseCurve> {
+    fn curve(self, settings: &PhaseSettings, kind: PhaseKind) -> Result<PhaseCurve, String> {
         let usable = self.start_s.is_finite()
             && STEP_S.contains(&self.step_s)
             && self.speed_mps.iter().copied().all(is_speed);
-        let (onset, input) = begin(self.onset, self.input)?;
-        let curve = PhaseCurve::of_parts(self.start_s, self.step_s, self.speed_mps, onset, input);
-        curve.filter(|_| usable)
+        let curve = begin(self.onset, self.input).and_then(|(onset, input)| {
+            PhaseCurve::of_parts(self.start_s, self.step_s, self.speed_mps, onset, input)
+        });
+        let curve = curve
+            .filter(|curve| usable && curve.kind() == kind)
+            .ok_or_else(|| no_car(kind))?;
+        if !settings.counts(&curve.outline()) {
+            return Err(
+                "too short or too small for min_duration_s and min_gain_mps of the rules"
+                    .to_owned(),
+            );
+        }
+        Ok(curve)
     }
 }
 
 impl ShortOnDisk {
-    fn phase(&self, kind: PhaseKind) -> Option<ShortPhase> {
+    fn phase(&self, settings: &PhaseSettings, kind: PhaseKind) -> Result<ShortPhase, String> {
         let [start_speed_mps, end_speed_mps] = self.speed_mps;
-        let (onset, input) = begin(self.onset, self.input)?;
+        let (onset, input) = begin(self.onset, self.input).ok_or_else(|| no_car(kind))?;
         let outline = Phase {
             start_speed_mps,
             end_speed_mps,
@@ -194,11 +217,25 @@ impl ShortOnDisk {
             && outline.gain_mps() != 0.0
             && outline.is_braking() == (kind == PhaseKind::Braking)
             && self.early_gain_mps.abs() <= MOST;
-        usable.then_some(ShortPhase {
+        if !usable {
+            return Err(no_car(kind));
+        }
+        if self.samples <= samples_in(BEGUN_S, self.step_s) {
+            return Err(format!("shorter than {BEGUN_S} s"));
+        }
+        // A whole phase may be longer than what counts of it.
+        if settings.extent == PhaseExtent::Threshold && settings.counts(&outline) {
+            return Err("long and large enough to count by the rules".to_owned());
+        }
+        Ok(ShortPhase {
             outline,
             early_gain_mps: self.early_gain_mps,
         })
     }
+}
+
+fn no_car(kind: PhaseKind) -> String {
+    format!("no {} of a car", kind.name())
 }
 
 /// How a phase begins, where every number is one of a car.
@@ -209,5 +246,5 @@ fn begin(onset: Option<[f64; 3]>, input: [Option<f64>; 6]) -> Option<(Option<Ons
 }
 
 fn is_speed(speed_mps: f64) -> bool {
-    speed_mps.abs() <= MOST_SPEED_MPS
+    SPEED_MPS.contains(&speed_mps)
 }

@@ -1,5 +1,6 @@
 //! What a model of phases has learnt from, kept so that it can go on learning without the logs.
 
+mod config;
 mod file;
 
 use serde::{Deserialize, Serialize};

@@ -60,7 +60,7 @@ fn file(fitted: Fitted, drives: usize, others: usize, weight: f64) -> ModelFile 
     let inputs = |count| {
         let input = |k: usize| TrainingInput {
             path: format!("{k}.csv"),
-            sha256: k.to_string(),
+            sha256: format!("{k:064x}"),
         };
         (0..count).map(input).collect()
     };
@@ -72,7 +72,8 @@ fn file(fitted: Fitted, drives: usize, others: usize, weight: f64) -> ModelFile 
         prior_weight: weight,
         extent: fitted.memory.as_ref().unwrap().settings().extent,
     };
-    ModelFile::new(fitted.model, record, serde_json::json!({})).with_memory(fitted.memory)
+    let config = serde_json::json!({ "step": STEP_S });
+    ModelFile::new(fitted.model, record, config).with_memory(fitted.memory)
 }
 
 fn settings(manoeuvre: Manoeuvre, extent: PhaseExtent) -> FitSettings {
@@ -384,5 +385,65 @@ fn impossible_numbers_are_refused() {
             matches!(refused, Err(Error::ModelFile { .. })),
             "{place} = {lie}: {refused:?}"
         );
+    }
+}
+
+/// What a file says against itself is refused by the name of the field.
+#[test]
+fn contradictions_are_refused() {
+    let drives = drives(&[]);
+    let kind = ModelKind::Profile;
+    let fitted = fit_with(kind, &drives, None, &FitSettings::default(), &|| {}).unwrap();
+    let good = serde_json::to_value(file(fitted, drives.len(), 0, 0.0)).unwrap();
+    let drive = "/memory/own_drives/0";
+    let speeds = |from: f64, to: f64| serde_json::json!([from, to]);
+    for (place, lie, words) in [
+        (
+            format!("{drive}/phases/0/speed_mps"),
+            speeds(0.0, 9.0),
+            "memory.own_drives[0].phases[0]: too short",
+        ),
+        (
+            format!("{drive}/phases/0/speed_mps"),
+            speeds(-40.0, 9.0),
+            "memory.own_drives[0].phases[0]: no acceleration",
+        ),
+        (
+            format!("{drive}/short_phases/0/samples"),
+            serde_json::json!(4),
+            "memory.own_drives[0].short_phases[0]: shorter",
+        ),
+        (
+            "/config".to_owned(),
+            serde_json::json!({ "step": STEP_S, "to": "samples" }),
+            "config.to is \"samples\"",
+        ),
+        (
+            "/config".to_owned(),
+            serde_json::json!({ "step": STEP_S, "min_gain": 5.0 }),
+            "config.min_gain is 5.0",
+        ),
+        (
+            "/config".to_owned(),
+            serde_json::json!({}),
+            "config.step is missing",
+        ),
+        (
+            "/config/step".to_owned(),
+            serde_json::json!(0.2),
+            "config.step is 0.2",
+        ),
+        (
+            "/training/inputs/1/sha256".to_owned(),
+            serde_json::json!("zz"),
+            "training.inputs[1].sha256",
+        ),
+    ] {
+        let mut file = good.clone();
+        *file.pointer_mut(&place).unwrap() = lie;
+        let said = ModelFile::from_json(&file.to_string())
+            .unwrap_err()
+            .to_string();
+        assert!(said.contains(words), "{words}: {said}");
     }
 }
