@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 16] = [
     ("parquet-table", &[]),
     ("drive-log", &["parquet-table"]),
     ("tseg", &[]),
@@ -23,6 +23,8 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "tseg",
         ],
     ),
+    ("speed-plan", &["ev-energy"]),
+    ("assistance", &["driver-model", "ev-energy", "speed-plan"]),
     ("report", &[]),
     ("unicycle-cbf", &[]),
     ("testbed-sim", &["unicycle-cbf"]),
@@ -34,6 +36,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     (
         "drivekit",
         &[
+            "assistance",
             "drive-log",
             "drive-sim",
             "driver-eval",
@@ -41,6 +44,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "ev-energy",
             "live-view",
             "report",
+            "speed-plan",
             "svr",
             "testbed-io",
             "testbed-sim",

@@ -405,8 +405,10 @@ fn positions(places: &[Place]) -> Vec<f64> {
         let begin_m: f64 = begin.iter().sum();
         let end_m: f64 = end.iter().sum();
         let middle_m = length_m - begin_m - end_m;
+        // Between two stands the car has to move.
+        let least = if both && begin.is_empty() { 2.0 } else { 1.0 };
         let count = if middle_m > 1e-6 {
-            (middle_m / LONGEST_STEP_M).ceil().max(1.0)
+            (middle_m / LONGEST_STEP_M).ceil().max(least)
         } else {
             0.0
         };

@@ -164,7 +164,8 @@ impl StepCost<'_> {
         near.min(best)
     }
 
-    /// The least where the cost is convex, by the tangent plane at the plan, and what is left: what is slower or accelerates more.
+    /// The least where the cost is convex, by the tangent plane at the plan, and what is left: what is slower, and what accelerates or brakes
+    /// more.
     fn convex_part(&self, cell: &Cell) -> (f64, Vec<Cell>) {
         let nothing = || (f64::INFINITY, vec![*cell]);
         if !self.problem.envelope.is_constant() {
@@ -196,22 +197,21 @@ impl StepCost<'_> {
         tangent.value += self.potential_j(from, to);
         tangent.gradient[0] += self.potential[0];
         tangent.gradient[1] -= self.potential[1];
-        let gentle = Interval::new(cell.accel.low, convex.accel_mps2.min(cell.accel.high));
-        let near = tangent.value + self.lowest_linear(cell, gentle, self.at, tangent.gradient);
-        let mut rest = Vec::with_capacity(2);
-        if from_mps > cell.w.low {
-            rest.push(Cell {
-                w: Interval::new(cell.w.low, from_mps),
-                ..*cell
-            });
-        }
-        if gentle.high < cell.accel.high {
-            rest.push(Cell {
-                w: Interval::new(from_mps, cell.w.high),
-                accel: Interval::new(gentle.high, cell.accel.high),
-                ..*cell
-            });
-        }
+        let accel = Interval::new(
+            cell.accel.low.max(convex.accel.low),
+            cell.accel.high.min(convex.accel.high),
+        );
+        let near = tangent.value + self.lowest_linear(cell, accel, self.at, tangent.gradient);
+        let mut rest = Vec::with_capacity(3);
+        let w = Interval::new(from_mps, cell.w.high);
+        let mut add = |w: Interval, accel: Interval| {
+            if w.low < w.high && accel.low < accel.high {
+                rest.push(Cell { w, accel, ..*cell });
+            }
+        };
+        add(Interval::new(cell.w.low, from_mps), cell.accel);
+        add(w, Interval::new(accel.high, cell.accel.high));
+        add(w, Interval::new(cell.accel.low, accel.low));
         (near, rest)
     }
 

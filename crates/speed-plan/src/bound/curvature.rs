@@ -397,18 +397,18 @@ fn friction_piece(formula: &StepFormula, patch: &Patch, w: Interval) -> Option<B
     })
 }
 
-/// Up to which acceleration the cost is convex, by mean speed and branch.
+/// Between which accelerations the cost is convex, by mean speed and branch.
 #[derive(Debug, Clone)]
 pub(super) struct Convexity {
-    /// Ranges of speed from the top down: the lower end of each, and the acceleration for propulsion and for regeneration.
-    ranges: Vec<(f64, [f64; 2])>,
+    /// Ranges of speed from the top down: the lower end of each, and the accelerations for propulsion and for regeneration.
+    ranges: Vec<(f64, [Interval; 2])>,
 }
 
-/// A convex set of motions of a step: no slower, no stronger acceleration.
+/// A convex set of motions of a step: no slower, and between two accelerations.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ConvexPart {
     pub(super) from_mps: f64,
-    pub(super) accel_mps2: f64,
+    pub(super) accel: Interval,
 }
 
 /// What all steps of a road have in common.
@@ -422,10 +422,22 @@ pub(super) struct Ranges {
 }
 
 /// Ratio of the ends of the ranges of speed that are looked at, how often one is halved by force or speed at most, and the shares of
-/// the largest acceleration that are tried.
+/// the strongest braking and acceleration that are tried.
 const SPEED_RATIO: f64 = 1.15;
 const DEEPEST: usize = 9;
-const ACCEL_SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.4, 0.2];
+const ACCEL_SHARES: [[f64; 2]; 11] = [
+    [1.0, 1.0],
+    [1.0, 0.8],
+    [1.0, 0.6],
+    [1.0, 0.4],
+    [1.0, 0.2],
+    [0.5, 1.0],
+    [0.5, 0.6],
+    [0.5, 0.2],
+    [0.25, 1.0],
+    [0.25, 0.6],
+    [0.2, 0.2],
+];
 const SLOWEST_MPS: f64 = 0.3;
 
 impl Convexity {
@@ -435,14 +447,20 @@ impl Convexity {
         let mut high = ranges.top_mps;
         while high > SLOWEST_MPS {
             let w = Interval::new(high / SPEED_RATIO, high);
-            let up_to = |branch| {
-                let share = ACCEL_SHARES.into_iter().find(|share| {
-                    let accel = Interval::new(ranges.accel.low, share * ranges.accel.high);
-                    is_convex(formula, branch, price_w, w, accel, ranges)
-                });
-                share.map_or(f64::NEG_INFINITY, |share| share * ranges.accel.high)
+            let between = |branch| {
+                ACCEL_SHARES
+                    .into_iter()
+                    .map(|[braking, speeding]| {
+                        let Interval { low, high } = ranges.accel;
+                        Interval::new(braking * low, speeding * high)
+                    })
+                    .find(|accel| is_convex(formula, branch, price_w, w, *accel, ranges))
+                    .unwrap_or(Interval::new(f64::INFINITY, f64::NEG_INFINITY))
             };
-            found.push((w.low, [Branch::Propulsion, Branch::Regeneration].map(up_to)));
+            found.push((
+                w.low,
+                [Branch::Propulsion, Branch::Regeneration].map(between),
+            ));
             high = w.low;
         }
         Self { ranges: found }
@@ -460,21 +478,19 @@ impl Convexity {
             return None;
         }
         let mut part: Option<ConvexPart> = None;
-        for (from_mps, up_to) in self.ranges.iter().filter(|range| range.0 < top_mps) {
-            let of_branch = |k: usize| {
-                if shares[k] > 0.0 {
-                    up_to[k]
-                } else {
-                    f64::INFINITY
+        for (from_mps, between) in self.ranges.iter().filter(|range| range.0 < top_mps) {
+            let mut accel = part.map_or(Interval::EVERYTHING, |part| part.accel);
+            for (share, between) in shares.iter().zip(between) {
+                if *share > 0.0 {
+                    accel = Interval::new(accel.low.max(between.low), accel.high.min(between.high));
                 }
-            };
-            let here = of_branch(0).min(of_branch(1));
-            if here < accel_mps2 {
+            }
+            if !accel.contains(accel_mps2) {
                 break;
             }
             part = Some(ConvexPart {
                 from_mps: *from_mps,
-                accel_mps2: part.map_or(here, |part| part.accel_mps2.min(here)),
+                accel,
             });
         }
         part

@@ -9,6 +9,11 @@ pub(super) struct Interval {
 }
 
 impl Interval {
+    pub(super) const EVERYTHING: Self = Self {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
+
     pub(super) fn new(low: f64, high: f64) -> Self {
         Self { low, high }
     }
