@@ -619,6 +619,64 @@ impl StepCost<'_> {
             .chain([accel.low, accel.high])
             .map(at)
             .fold(f64::INFINITY, f64::min);
-        length_m * (idle + lost) + difference * sum + least
+        let flat = length_m * (idle + lost) + difference * sum + least;
+        let lines = [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            self.shares,
+        ];
+        lines
+            .map(|shares| self.line_bound(shares, w, accel, copper_w + battery_w))
+            .into_iter()
+            .fold(flat, f64::max)
     }
+
+    /// With a line below the energy over the force, `s F − s_f R`: what is left depends on the speed alone, term by term above or on
+    /// a line over a slice of speeds. `lost_w` is what losses take at least.
+    fn line_bound(&self, shares: [f64; 3], w: Interval, accel: Interval, lost_w: f64) -> f64 {
+        let formula = self.formula;
+        let length_m = self.road().length_m();
+        let c = formula.motor_speed_per_mps;
+        let (up, down) = (
+            c * formula.propelling_nm_per_n,
+            c * formula.braking_nm_per_n,
+        );
+        let per_force = shares[0] * up + shares[1] * down;
+        let braked = shares[2] * down * largest_regeneration(formula, w);
+        let middle = 0.5 * (self.potential[0] + self.potential[1]);
+        let difference = (self.potential[0] - self.potential[1]) / length_m;
+        // By the acceleration.
+        let per_accel = per_force * formula.effective_mass_kg - 2.0 * middle;
+        let by_accel = (per_accel * accel.low).min(per_accel * accel.high);
+        let apart = accel.magnitude() * length_m / (2.0 * w.low);
+        let by_apart = difference.min(0.0) * apart * apart;
+        // By the speed: k₂ w² + k₁ w + k₀/w.
+        let square =
+            per_force * formula.quadratic_n_per_mps2 + formula.windage_w_per_mps3 + difference;
+        let slope = per_force * formula.linear_n_per_mps;
+        let inverse = formula.constant_w + self.price_w + lost_w;
+        let squares = below(square, w, |w| w * w, |w| 2.0 * w);
+        let inverses = below(inverse, w, |w| 1.0 / w, |w| -1.0 / (w * w));
+        let by_speed = |k: usize, w: f64| squares[k] + slope * w + inverses[k];
+        let fixed =
+            per_force * formula.standing_force_n(self.road()) + formula.iron_w_per_mps - braked;
+        length_m * (fixed + by_accel + by_apart + by_speed(0, w.low).min(by_speed(1, w.high)))
+    }
+}
+
+/// A line below a multiple of a convex function over a range, by its values at both ends: a tangent in the middle, or the chord where
+/// the factor is below 0.
+fn below(
+    factor: f64,
+    range: Interval,
+    function: impl Fn(f64) -> f64,
+    slope: impl Fn(f64) -> f64,
+) -> [f64; 2] {
+    let Interval { low, high } = range;
+    if factor < 0.0 {
+        return [low, high].map(|end| factor * function(end));
+    }
+    let middle = 0.5 * (low + high);
+    [low, high].map(|end| factor * (function(middle) + slope(middle) * (end - middle)))
 }
