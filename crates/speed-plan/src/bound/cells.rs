@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use ev_energy::{RoadStep, StepFormula};
 
 use super::curvature::{
-    Bend, Branch, Convexity, Patch, below_from, bend, is_below, largest_regeneration,
+    Bend, Branch, Convexity, Patch, below_from, bend, is_below, largest_regeneration, turn,
 };
 use super::interval::Interval;
 use crate::problem::{Problem, mean_speed};
@@ -455,7 +455,9 @@ impl StepCost<'_> {
         tangent.gradient[1] += accel.gradient[1] - self.potential[1];
 
         let defect = total.defect(self.formula, patch);
-        let bent = if defect < 0.0 {
+        let bent = if defect.is_none() {
+            0.0
+        } else {
             let far = |range: Interval, at: f64| (range.high - at).max(at - range.low);
             let per = |range: Interval| {
                 if range.high > range.low {
@@ -464,11 +466,18 @@ impl StepCost<'_> {
                     0.0
                 }
             };
-            let change =
-                far(cell.from, at[0]) * per(cell.from) + far(cell.to, at[1]) * per(cell.to);
-            0.5 * self.road().length_m() * defect * change * change
+            let (from, to) = (far(cell.from, at[0]), far(cell.to, at[1]));
+            let s = from * per(cell.from) + to * per(cell.to);
+            let length_m = self.road().length_m();
+            let r = self.formula.effective_mass_kg * 0.5 / length_m * (from + to)
+                + turn(self.formula, patch) * s;
+            0.5 * length_m * (defect.w * s * s + defect.rho * r * r)
+        };
+        // Not a number is no bound.
+        let bent = if bent.is_nan() {
+            f64::NEG_INFINITY
         } else {
-            0.0
+            bent
         };
         tangent.value + bent + self.lowest_linear(cell, patch.accel, at, tangent.gradient)
     }

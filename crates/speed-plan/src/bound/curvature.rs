@@ -65,27 +65,43 @@ impl Bend {
         }
     }
 
-    /// Largest `κ ≤ 0` that was found with `ζᵀHζ ≥ h κ s²`; `−∞` where there is none.
-    pub(super) fn defect(&self, formula: &StepFormula, patch: &Patch) -> f64 {
+    /// What is known to be missing to a convex cost, `ζᵀHζ ≥ h (κ_r r'² + κ_s s²)`.
+    pub(super) fn defect(&self, formula: &StepFormula, patch: &Patch) -> Defect {
         let Some(product) = patch.speed_product.filter(|_| self.slope > 0.0) else {
-            return if self.rho >= 0.0 {
-                self.w.min(0.0)
-            } else {
-                f64::NEG_INFINITY
+            return Defect {
+                rho: self.rho.min(0.0),
+                w: self.w.min(0.0),
             };
         };
         // (u − v)² is at most twice the sum of the squares.
         let taken = self.slope * patch.length_m * patch.length_m / (2.0 * patch.w.low * product);
         let mass_kg = formula.effective_mass_kg;
-        if taken.is_nan() || taken > self.rho * mass_kg * mass_kg {
-            return f64::NEG_INFINITY;
+        let turned = turn(formula, patch) / mass_kg + 2.0 * patch.accel.magnitude() / patch.w.low;
+        Defect {
+            rho: (self.rho - taken / (mass_kg * mass_kg)).min(0.0),
+            w: (self.w - taken * turned * turned).min(0.0),
         }
-        let by_speed = formula.linear_n_per_mps.abs()
-            + 2.0 * formula.quadratic_n_per_mps2 * patch.w.high
-            + patch.force.magnitude() / patch.w.low;
-        let turned = by_speed / mass_kg + 2.0 * patch.accel.magnitude() / patch.w.low;
-        (self.w - taken * turned * turned).min(0.0)
     }
+}
+
+/// See [`Bend::defect`]; not a number where the bend of σ has no bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Defect {
+    pub(super) rho: f64,
+    pub(super) w: f64,
+}
+
+impl Defect {
+    pub(super) fn is_none(&self) -> bool {
+        self.rho >= 0.0 && self.w >= 0.0
+    }
+}
+
+/// Largest `|F_w − F/w|` within a patch, N/(m/s).
+pub(super) fn turn(formula: &StepFormula, patch: &Patch) -> f64 {
+    formula.linear_n_per_mps.abs()
+        + 2.0 * formula.quadratic_n_per_mps2 * patch.w.high
+        + patch.force.magnitude() / patch.w.low
 }
 
 /// Whether a branch is nowhere above the cost within a patch.
@@ -537,7 +553,7 @@ fn is_convex(
             linear_in_w: 0.0,
         };
         let bend = bend(formula, branch, &patch);
-        if bend.is_some_and(|bend| bend.defect(formula, &patch) >= 0.0) {
+        if bend.is_some_and(|bend| bend.defect(formula, &patch).is_none()) {
             continue;
         }
         if depth >= DEEPEST {
