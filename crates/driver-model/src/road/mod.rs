@@ -1,9 +1,13 @@
 //! Roads: limits, slope, stops and slow points over distance.
 
+mod drawn;
+mod file;
 pub(crate) mod limit;
 pub(crate) mod map;
 
 use crate::Error;
+pub use drawn::DrawnRoad;
+pub use file::{Curve, ElevationAt, Green, LeaderAt, RoadFile, Signal};
 pub(crate) use map::STANDSTILL_MPS;
 use map::Stretch;
 pub use map::{LimitFrom, RoadMap, RoadStop, SlopeAt, SlowPoint};
