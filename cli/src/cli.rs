@@ -40,6 +40,7 @@ pub(crate) enum Command {
     Predict(cmd::predict::PredictArgs),
     Evaluate(cmd::evaluate::EvaluateArgs),
     Portrait(cmd::portrait::PortraitArgs),
+    Road(cmd::road::RoadArgs),
     Synth(cmd::synth::SynthArgs),
     #[command(subcommand)]
     Vehicle(cmd::vehicle::VehicleCommand),
