@@ -15,6 +15,9 @@ pub use map::{LimitFrom, RoadMap, RoadStop, SlopeAt, SlowPoint};
 /// Distance of two nodes of a road.
 pub const NODE_SPACING_M: f64 = 1.0;
 
+/// Elevations beyond are none.
+const HIGHEST_M: f64 = 1e5;
+
 /// Longer roads are refused: 1000 km.
 const MOST_NODES: f64 = 1e6;
 

@@ -3,7 +3,7 @@
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, slope_from_elevation};
 
 use crate::Error;
-use crate::road::ElevationAt;
+use crate::road::{ElevationAt, HIGHEST_M};
 use crate::statistics::mean;
 
 /// Distance of elevations, m: a tenth of what they are smoothed over.
@@ -24,6 +24,8 @@ pub(super) fn of_track(
     place_m: &[f64],
     elevation_m: &[f64],
 ) -> Result<Vec<ElevationAt>, Error> {
+    let known = |m: &f64| if m.abs() <= HIGHEST_M { *m } else { f64::NAN };
+    let elevation_m: Vec<f64> = elevation_m.iter().map(known).collect();
     if elevation_m.iter().filter(|m| m.is_finite()).count() < 2 {
         return Ok(Vec::new());
     }
@@ -34,7 +36,7 @@ pub(super) fn of_track(
     let elevations: Vec<f64> = elevation_m.iter().copied().chain(unknown).collect();
     let slope_rad = slope_from_elevation(&places, &elevations, DEFAULT_SLOPE_BANDWIDTH_M)?;
     let climbed_m = climbed(&grid_m, &slope_rad[place_m.len()..]);
-    let above = place_m.iter().zip(elevation_m);
+    let above = place_m.iter().zip(&elevation_m);
     let above = above.map(|(place_m, elevation_m)| elevation_m - at(&grid_m, &climbed_m, *place_m));
     let start_m = mean(above.filter(|m| m.is_finite())).unwrap_or(0.0);
     Ok(elevations_of(&grid_m, &climbed_m, start_m))

@@ -78,6 +78,20 @@ fn a_route_counts_where_there_is_no_track() {
 }
 
 #[test]
+fn heights_that_are_none_are_bridged() {
+    let mut points = hill(2000);
+    points[40].1 = 1e300;
+    points[41].1 = f64::NAN;
+    let road = DrawnRoad::of_gpx(&track(&[&points]), "a.gpx").unwrap().road;
+    let highest_m = road
+        .elevation
+        .iter()
+        .map(|at| at.elevation_m)
+        .fold(0.0, f64::max);
+    assert!((highest_m - 260.0).abs() < 0.1, "{highest_m}");
+}
+
+#[test]
 fn what_is_no_track_is_refused_with_place_and_cure() {
     let far = [(5000.0, 0.0), (5100.0, 0.0)];
     let one = hill(100);

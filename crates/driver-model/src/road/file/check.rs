@@ -5,15 +5,12 @@ use std::f64::consts::FRAC_PI_2;
 use super::text::in_either;
 use super::{FASTEST_MPS, Green, RoadFile, Signal, not_a_road};
 use crate::Error;
-use crate::road::STANDSTILL_MPS;
 use crate::road::limit::LIMIT_MPS;
+use crate::road::{HIGHEST_M, STANDSTILL_MPS};
 
 const LENGTH_M: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 
 const MOST_ENTRIES: usize = 1_000_000;
-
-/// Elevations beyond are none.
-const HIGHEST_M: f64 = 1e5;
 
 /// Longest times, s: thirty years.
 const LONGEST_S: f64 = 1e9;

@@ -215,9 +215,10 @@ impl Curve {
     fn slow_points(&self) -> impl Iterator<Item = SlowPoint> {
         let speed_mps = (CURVE_MPS2 * self.radius_m).sqrt();
         let steps = ((self.to_m - self.from_m) / NODE_SPACING_M).ceil();
-        let (from_m, spacing_m) = (self.from_m, (self.to_m - self.from_m) / steps);
+        let (from_m, to_m) = (self.from_m, self.to_m);
+        let spacing_m = (to_m - from_m) / steps;
         (0..=steps as usize).map(move |k| SlowPoint {
-            position_m: from_m + k as f64 * spacing_m,
+            position_m: (from_m + k as f64 * spacing_m).min(to_m),
             speed_mps: speed_mps.clamp(super::STANDSTILL_MPS, FASTEST_MPS),
         })
     }

@@ -359,6 +359,16 @@ prop_compose! {
 
 proptest! {
     #[test]
+    fn any_road_with_limits_is_one_for_trip_drivers(road in any_road()) {
+        let mut road = RoadFile { length_m: road.length_m.min(2e4), ..road };
+        road.limits.insert(0, LimitFrom { position_m: 0.0, limit_mps: 9.0 });
+        road.limits.dedup_by(|next, kept| next.position_m <= kept.position_m);
+        if let Ok(road) = road.checked("any") {
+            Road::new(road.to_map("any").unwrap()).unwrap();
+        }
+    }
+
+    #[test]
     fn what_is_written_reads_back_unchanged(road in any_road()) {
         let road = road.checked("any").unwrap();
         let toml = road.to_toml().unwrap();
