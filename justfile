@@ -42,10 +42,10 @@ fmt:
 bench crate="":
     cargo bench {{ if crate == "" { "--workspace" } else { "-p " + crate } }}
 
-# Fuzz for some seconds: `just fuzz read_log 600`, also read_layout, segment, read_vehicle, read_run_log, read_scenario, natnet, robotarium, json_lines. Needs `cargo install cargo-fuzz`.
+# Fuzz for some seconds: `just fuzz read_log 600`, also read_layout, segment, read_vehicle, read_road, read_run_log, read_scenario, natnet, robotarium, json_lines. Needs `cargo install cargo-fuzz`.
 [group('work')]
 fuzz target="read_log" seconds="60":
-    cd crates/{{ if target == "segment" { "tseg" } else if target == "read_vehicle" { "ev-energy" } else if target =~ "read_(log|layout)" { "drive-log" } else { "testbed-io" } }} && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }} {{ if target =~ "read_(log|layout)" { "-dict=fuzz/log.dict" } else { "" } }}
+    cd crates/{{ if target == "segment" { "tseg" } else if target == "read_vehicle" { "ev-energy" } else if target == "read_road" { "driver-model" } else if target =~ "read_(log|layout)" { "drive-log" } else { "testbed-io" } }} && cargo fuzz run --sanitizer none {{ target }} -- -max_total_time={{ seconds }} {{ if target =~ "read_(log|layout)" { "-dict=fuzz/log.dict" } else { "" } }}
 
 # Make the simulated drives that ship with the project anew.
 [group('work')]

@@ -41,6 +41,7 @@ pub(crate) enum Command {
     Evaluate(cmd::evaluate::EvaluateArgs),
     Portrait(cmd::portrait::PortraitArgs),
     Plan(cmd::plan::PlanArgs),
+    Road(cmd::road::RoadArgs),
     Synth(cmd::synth::SynthArgs),
     #[command(subcommand)]
     Vehicle(cmd::vehicle::VehicleCommand),

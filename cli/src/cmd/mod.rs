@@ -16,6 +16,7 @@ pub(crate) mod plan;
 pub(crate) mod portrait;
 pub(crate) mod predict;
 pub(crate) mod prior;
+pub(crate) mod road;
 pub(crate) mod segment;
 pub(crate) mod synth;
 pub(crate) mod vehicle;
@@ -37,6 +38,7 @@ pub(crate) fn run(command: &Command, context: &Context) -> anyhow::Result<Outcom
         Command::Plan(args) => plan::run(args, context),
         Command::Predict(args) => predict::run(args, context),
         Command::Evaluate(args) => evaluate::run(args, context),
+        Command::Road(args) => road::run(args, context),
         Command::Synth(args) => synth::run(args, context),
         Command::Vehicle(command) => vehicle::run(command, context),
         Command::Ctrl(command) => ctrl::run(command, context),

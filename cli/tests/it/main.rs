@@ -37,6 +37,7 @@ mod program;
 #[path = "../../../fixtures/python.rs"]
 mod python;
 mod require;
+mod road;
 mod segment;
 #[path = "../../../fixtures/shared.rs"]
 mod shared;

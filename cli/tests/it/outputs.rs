@@ -197,6 +197,10 @@ fn the_name_of_a_file_decides_its_format_or_is_refused() {
             &["--output", ".toml"],
         ),
         (
+            &["road", log, "-o", "x.csv"],
+            &["--output", ".toml", ".json"],
+        ),
+        (
             &["ctrl", "run", "-o", "x.txt"],
             &["--output", ".parquet", ".csv", ".mcap"],
         ),

@@ -73,6 +73,8 @@ fn documents() -> Vec<(&'static str, Value)> {
         &[&trajectory[..], &["--max-samples", "500", "--folds", "2"]].concat(),
     );
     add("portrait", &["portrait", &drives, "--fleet", &drives]);
+    let drive = fixture("drives/drive-01.csv");
+    add("road", &["road", &drive, "-o", "road.toml"]);
     add("vehicle-check", &["vehicle", "check"]);
     add(
         "vehicle-point",

@@ -73,6 +73,7 @@ fn texts() {
             "evaluate drives/drive-01.csv drives/drive-02.csv --task trajectory --models ridge --horizons 2",
         ),
         ("portrait", "portrait drives"),
+        ("road", "road drives/drive-01.csv -o /dev/null"),
         (
             "energy",
             "energy drives/drive-01.csv drives/drive-02.csv --vehicle b250e",
@@ -108,6 +109,7 @@ fn documents() {
             "evaluate drives/drive-01.csv drives/drive-02.csv --task trajectory --models ridge --horizons 2",
         ),
         ("portrait-document", "portrait drives"),
+        ("road-document", "road drives/drive-01.csv -o /dev/null"),
         (
             "energy-document",
             "energy drives/drive-01.csv --vehicle b250e",

@@ -345,6 +345,14 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// A file without lines that a road could be made of.
+    #[error("{file}: {reason}; give GeoJSON with a line, as OpenStreetMap's tools export it")]
+    Lines {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A value that must be finite is not.
     #[error("{log}: {channel} is {value} at sample {index}; it must be finite")]
     NotFinite {

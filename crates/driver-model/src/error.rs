@@ -164,6 +164,38 @@ pub enum Error {
         /// The one of the others, or of the model.
         expected_s: f64,
     },
+    /// A value in a road file that no road has.
+    #[error("{file}: {place} = {value}: {expected}")]
+    RoadValue {
+        /// The file.
+        file: String,
+        /// Key and index.
+        place: String,
+        /// What was found.
+        value: f64,
+        /// What would do, in words.
+        expected: String,
+    },
+    /// A file that is no road, or that no road can be made of.
+    #[error("{file}: {reason}")]
+    Road {
+        /// The file, or the drive.
+        file: String,
+        /// What was found, and what to do.
+        reason: String,
+    },
+    /// Drives that are too different in length to be of one road.
+    #[error(
+        "not drives of one road: most are {} long, and more than 5 % off that are {}; leave these out, or cut the logs to the same stretch",
+        kilometres(*.median_m),
+        .others.iter().map(|(log, length_m)| format!("{log} ({})", kilometres(*length_m))).collect::<Vec<_>>().join(", ")
+    )]
+    NotOneRoad {
+        /// Median length.
+        median_m: f64,
+        /// The others with their lengths.
+        others: Vec<(String, f64)>,
+    },
     /// What is wrong with one drive of several.
     #[error("{log}: {cause}")]
     InLog {
@@ -235,6 +267,10 @@ fn no_memory(model: ModelKind) -> String {
             .collect::<Vec<_>>()
             .join(", ")
     )
+}
+
+fn kilometres(length_m: f64) -> String {
+    format!("{:.2} km", length_m / 1e3)
 }
 
 fn listed(left_out: &[LeftOut]) -> String {

@@ -2,7 +2,9 @@
 
 use geojson::{Feature, GeoJson, GeometryValue, JsonObject, JsonValue};
 
-use super::{LIMIT_MPS, Way};
+use super::LIMIT_MPS;
+use super::lines::{MapLines, MapPoint, PointKind, Way};
+use crate::Error;
 
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
 const MILE_PER_HOUR_MPS: f64 = 1609.344 / 3600.0;
@@ -10,44 +12,110 @@ const MILE_PER_HOUR_MPS: f64 = 1609.344 / 3600.0;
 /// Where tools put the tags of a way that are not at the top.
 const TOGETHER: [&str; 2] = ["tags", "other_tags"];
 
-/// The ways, and how many limits were no number; or what is wrong with the text.
+impl MapLines {
+    /// Reads GeoJSON (RFC 7946) as [`LimitMap::from_geojson`](super::LimitMap::from_geojson) does, and takes lines without properties as well.
+    ///
+    /// # Errors
+    /// [`Error::Lines`], with the name of the file, for text that is no GeoJSON, without a line, or with an impossible position.
+    pub fn from_geojson(name: &str, text: &str) -> Result<Self, Error> {
+        parsed(text)
+            .and_then(lines_of)
+            .map_err(|reason| Error::Lines {
+                file: name.to_owned(),
+                reason,
+            })
+    }
+}
+
+/// The ways of a map with limits, and how many limits were no number; or what is wrong with the text.
 pub(super) fn read(text: &str) -> Result<(Vec<Way>, usize), String> {
-    let features = match text.trim_start_matches('\u{feff}').parse::<GeoJson>() {
-        Ok(GeoJson::FeatureCollection(collection)) => collection.features,
-        Ok(GeoJson::Feature(feature)) => vec![feature],
-        Ok(GeoJson::Geometry(_)) => {
-            return Err("lines without properties have no limits".to_owned());
-        }
-        Err(error) => return Err(format!("not GeoJSON: {error}")),
+    let map = match parsed(text)? {
+        GeoJson::Geometry(_) => return Err("lines without properties have no limits".to_owned()),
+        map => lines_of(map)?,
     };
-    let (mut ways, mut not_understood) = (Vec::new(), 0);
-    for feature in features {
-        let tags = Tags(&feature);
-        let plain = tags.limit("maxspeed", &mut not_understood);
-        let forward = tags.limit("maxspeed:forward", &mut not_understood);
-        let backward = tags.limit("maxspeed:backward", &mut not_understood);
+    Ok((map.ways, map.not_understood))
+}
+
+fn parsed(text: &str) -> Result<GeoJson, String> {
+    let parsed = text.trim_start_matches('\u{feff}').parse();
+    parsed.map_err(|error| format!("not GeoJSON: {error}"))
+}
+
+fn lines_of(map: GeoJson) -> Result<MapLines, String> {
+    let features = match map {
+        GeoJson::FeatureCollection(collection) => collection.features,
+        GeoJson::Feature(feature) => vec![feature],
+        GeoJson::Geometry(geometry) => vec![Feature {
+            geometry: Some(geometry),
+            ..Feature::default()
+        }],
+    };
+    let mut map = MapLines::default();
+    for feature in &features {
+        let tags = Tags(feature);
+        let plain = tags.limit("maxspeed", &mut map.not_understood);
+        let forward = tags.limit("maxspeed:forward", &mut map.not_understood);
+        let backward = tags.limit("maxspeed:backward", &mut map.not_understood);
         let way = Way {
-            positions_deg: Vec::new(),
             limits_mps: [forward.or(plain), backward.or(plain)],
             open: match tags.text("oneway").as_deref() {
                 Some("yes" | "true" | "1") => [true, false],
                 Some("-1" | "reverse") => [false, true],
                 _ => [true, true],
             },
+            ..Way::default()
         };
-        for line in lines(&feature) {
-            let positions_deg = line.iter().map(|p| position(p.as_slice()));
-            ways.push(Way {
-                positions_deg: positions_deg.collect::<Result<_, _>>()?,
+        for line in lines(feature) {
+            map.ways.push(Way {
+                positions_deg: positions(line)?,
+                elevation_m: elevations(line),
                 ..way.clone()
             });
         }
+        map.points.extend(point(feature, &tags)?);
     }
-    ways.retain(|way| way.positions_deg.len() >= 2);
-    if ways.is_empty() {
+    map.ways.retain(|way| way.positions_deg.len() >= 2);
+    if map.ways.is_empty() {
         return Err("it has no line (LineString or MultiLineString)".to_owned());
     }
-    Ok((ways, not_understood))
+    Ok(map)
+}
+
+/// A node of OpenStreetMap that makes drivers stop.
+fn point(feature: &Feature, tags: &Tags) -> Result<Option<MapPoint>, String> {
+    let Some(GeometryValue::Point { coordinates }) = feature.geometry.as_ref().map(|g| &g.value)
+    else {
+        return Ok(None);
+    };
+    let (kind, own) = match tags.text("highway").as_deref() {
+        Some("traffic_signals") => (PointKind::TrafficSignals, "traffic_signals:direction"),
+        Some("stop") => (PointKind::Stop, "direction"),
+        Some("give_way") => (PointKind::GiveWay, "direction"),
+        _ => return Ok(None),
+    };
+    let valid = match tags.text(own).as_deref() {
+        Some("forward") => [true, false],
+        Some("backward") => [false, true],
+        _ => [true, true],
+    };
+    Ok(Some(MapPoint {
+        position_deg: position(coordinates.as_slice())?,
+        kind,
+        valid,
+    }))
+}
+
+fn positions(line: &[geojson::Position]) -> Result<Vec<[f64; 2]>, String> {
+    line.iter().map(|p| position(p.as_slice())).collect()
+}
+
+/// Third numbers; empty where no position has one.
+fn elevations(line: &[geojson::Position]) -> Vec<f64> {
+    if line.iter().all(|p| p.len() < 3) {
+        return Vec::new();
+    }
+    let third = |p: &geojson::Position| p.as_slice().get(2).copied().unwrap_or(f64::NAN);
+    line.iter().map(third).collect()
 }
 
 fn lines(feature: &Feature) -> Vec<&[geojson::Position]> {

@@ -1,6 +1,7 @@
 //! Speed limits of a map, found along a drive by its positions.
 
 mod geojson_ways;
+mod lines;
 mod matching;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::float_cmp)]
@@ -19,6 +20,7 @@ use serde::Serialize;
 use crate::collection::SourcedDrive;
 use crate::longitude::turned_deg;
 use crate::{Channel, Error};
+pub use lines::{MapLines, MapPoint, PointKind, Way, great_circle_m, place};
 
 /// Limits on roads: to 400 km/h.
 const LIMIT_MPS: RangeInclusive<f64> = 0.5..=400.0 / 3.6;
@@ -42,17 +44,6 @@ pub struct LimitMap {
     /// For each way those that it shares a position with, ascending.
     meeting: Vec<Vec<usize>>,
     not_understood: usize,
-}
-
-/// A line of a map.
-#[derive(Debug, Clone, Default)]
-struct Way {
-    /// Degrees east and north, at least two.
-    positions_deg: Vec<[f64; 2]>,
-    /// Along the line and against it; `None` where the map does not say.
-    limits_mps: [Option<f64>; 2],
-    /// Whether it may be driven along and against the line.
-    open: [bool; 2],
 }
 
 /// One straight piece of a way, with the number of the way.
@@ -241,10 +232,7 @@ fn meeting(ways: &[Way]) -> Vec<Vec<usize>> {
     let mut at: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     for (number, way) in ways.iter().enumerate() {
         for position in &way.positions_deg {
-            let [east, north] = position.map(|deg| (deg * PLACES_PER_DEG).round() as i64);
-            at.entry([east.rem_euclid(PLACES_AROUND), north])
-                .or_default()
-                .push(number);
+            at.entry(place(*position)).or_default().push(number);
         }
     }
     let mut meeting = vec![Vec::new(); ways.len()];

@@ -1,5 +1,7 @@
 use std::f64::consts::FRAC_PI_2;
 
+use serde::{Deserialize, Serialize};
+
 use super::limit::{LIMIT_MPS, rounded_limit};
 use crate::Error;
 
@@ -33,7 +35,7 @@ pub struct RoadMap {
 }
 
 /// A speed limit from a position on.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LimitFrom {
     /// Where it begins.
     pub position_m: f64,
@@ -42,7 +44,8 @@ pub struct LimitFrom {
 }
 
 /// A stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RoadStop {
     /// Where.
     pub position_m: f64,
@@ -51,7 +54,7 @@ pub struct RoadStop {
 }
 
 /// A place that is passed at no more than some speed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlowPoint {
     /// Where.
     pub position_m: f64,
@@ -60,7 +63,7 @@ pub struct SlowPoint {
 }
 
 /// Slope at a position.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlopeAt {
     /// Where.
     pub position_m: f64,

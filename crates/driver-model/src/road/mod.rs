@@ -1,15 +1,22 @@
 //! Roads: limits, slope, stops and slow points over distance.
 
+mod drawn;
+mod file;
 pub(crate) mod limit;
 pub(crate) mod map;
 
 use crate::Error;
+pub use drawn::DrawnRoad;
+pub use file::{Curve, ElevationAt, Green, LeaderAt, RoadFile, Signal};
 pub(crate) use map::STANDSTILL_MPS;
 use map::Stretch;
 pub use map::{LimitFrom, RoadMap, RoadStop, SlopeAt, SlowPoint};
 
 /// Distance of two nodes of a road.
 pub const NODE_SPACING_M: f64 = 1.0;
+
+/// Elevations beyond are none.
+const HIGHEST_M: f64 = 1e5;
 
 /// Longer roads are refused: 1000 km.
 const MOST_NODES: f64 = 1e6;

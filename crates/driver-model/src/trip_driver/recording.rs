@@ -1,5 +1,5 @@
 use super::zigzag::{Extremum, zigzag};
-use crate::road::limit::{is_same_limit, rounded_limit};
+use crate::road::limit::{LIMIT_MPS, is_same_limit, rounded_limit};
 use crate::road::map::STOP_SPACING_M;
 use crate::road::{
     LimitFrom, Road, RoadKnowledge, RoadMap, RoadStop, STANDSTILL_MPS, SlopeAt, SlowPoint,
@@ -49,10 +49,22 @@ impl RecordedTrip {
     /// # Errors
     /// [`Error::NoLimits`] without limits, see [`Motion::limit_mps`]; [`Error::Option`] for a speed that no car has.
     pub fn of(motion: &Motion) -> Result<Self, Error> {
-        let log = motion.log();
         let limit_mps = motion.limit_mps().ok_or_else(|| Error::NoLimits {
-            log: log.name().to_owned(),
+            log: motion.name().to_owned(),
         })?;
+        Self::under(motion, limit_mps)
+    }
+
+    /// The same of a drive that may know no limits, as if there were none.
+    pub(crate) fn of_any(motion: &Motion) -> Result<Self, Error> {
+        match motion.limit_mps() {
+            Some(limit_mps) => Self::under(motion, limit_mps),
+            None => Self::under(motion, &vec![*LIMIT_MPS.end(); motion.len()]),
+        }
+    }
+
+    fn under(motion: &Motion, limit_mps: &[f64]) -> Result<Self, Error> {
+        let log = motion.log();
         let limit_mps = limit_mps
             .iter()
             .map(|&limit| rounded_limit(limit))
@@ -99,6 +111,11 @@ impl RecordedTrip {
     #[must_use]
     pub fn step_s(&self) -> f64 {
         self.step_s
+    }
+
+    /// Stops and slow points as they were, without slope.
+    pub(crate) fn map(&self) -> &RoadMap {
+        &self.map
     }
 
     /// Measured speed; noise around standstill is 0.
