@@ -142,6 +142,32 @@ pub(crate) fn price_w(text: &str) -> Parsed<f64> {
     number(text, "a price of time in W", 0.0..=1e7)
 }
 
+/// Braking and acceleration.
+pub(crate) fn accels_mps2(text: &str) -> Parsed<[f64; 2]> {
+    let Some((min, max)) = text.split_once(',') else {
+        return Err("expected two accelerations in m/s², such as -2,1.5".to_owned());
+    };
+    Ok([
+        number(min.trim(), "a deceleration in m/s²", -20.0..=-0.01)?,
+        number(max.trim(), "an acceleration in m/s²", 0.01..=20.0)?,
+    ])
+}
+
+/// Where a car does not stand.
+pub(crate) fn slowest_kmh(text: &str) -> Parsed<f64> {
+    number(text, "a speed in km/h", 0.4..=300.0)
+}
+
+/// Of heating, lights and whatever else is on.
+pub(crate) fn aux_power_w(text: &str) -> Parsed<f64> {
+    number(text, "a power in W", 0.0..=1e5)
+}
+
+/// Of the air.
+pub(crate) fn temperature_degc(text: &str) -> Parsed<f64> {
+    number(text, "a temperature in °C", -90.0..=70.0)
+}
+
 /// Between a plan and its bound.
 pub(crate) fn gap_pct(text: &str) -> Parsed<f64> {
     number(text, "a gap in %", 1e-5..=100.0)

@@ -9,6 +9,9 @@ const LONGEST_STEP_M: f64 = 40.0;
 /// Places that are nearer than this are one node, m.
 const SAME_PLACE_M: f64 = 0.25;
 
+/// Deceleration from a start above the limit, m/s².
+const BRAKING_MPS2: f64 = 2.0;
+
 /// Lateral acceleration in curves, m/s².
 const LATERAL_MPS2: f64 = 2.0;
 
@@ -109,9 +112,22 @@ impl Road {
             (min_mps[node], max_mps[node]) = (0.0, 0.0);
             dwell_s[node] += stand_s;
         }
+        // Faster than allowed at the start, the car brakes down to it.
+        for (max, at) in max_mps.iter_mut().zip(&position_m) {
+            let square = self.start_mps * self.start_mps - 2.0 * BRAKING_MPS2 * at;
+            if square.max(0.0).sqrt() <= *max {
+                break;
+            }
+            *max = square.max(0.0).sqrt();
+        }
+        if self.end_mps > max_mps[nodes - 1] {
+            return Err(Error::Setting {
+                name: "end_mps",
+                value: self.end_mps,
+                expected: "at most what is allowed at the end of the road",
+            });
+        }
         for (node, speed) in [(0, self.start_mps), (nodes - 1, self.end_mps)] {
-            // A start or an end faster than allowed is not: the caller says so.
-            let speed = speed.min(max_mps[node]);
             (min_mps[node], max_mps[node]) = (speed, speed);
         }
         let slope_rad = position_m

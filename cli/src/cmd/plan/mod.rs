@@ -1,21 +1,22 @@
+mod source;
 mod text;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use assistance::{FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, SampledPlan};
 use clap::{ArgGroup, Args};
-use ev_energy::StepModel;
+use ev_energy::{StepModel, Weather};
 use serde::Serialize;
-use speed_plan::{Answer, Case, Demand, Problem, Settings, frontier, plan};
+use source::{Source, SourceInputs};
+use speed_plan::{Answer, Demand, Problem, Settings, frontier, plan};
 
 use crate::exit::Outcome;
-use crate::flags::{Context, Format};
-use crate::inputs::files::FileInputs;
+use crate::flags::{Context, Format, LogArgs};
 use crate::numbers;
 use crate::output;
-use crate::render::json::Document;
+use crate::render::json::{Document, Listing};
 use crate::require::{KnownFigures, RequireArgs};
 
 /// The speed over a road that takes the least energy, and how much less any other could take
@@ -28,15 +29,23 @@ use crate::require::{KnownFigures, RequireArgs};
     group = ArgGroup::new("when").args(["arrive", "price", "frontier"]),
     after_help = "\
 Examples:
-  drivekit plan --case case.json                       a problem on a grid of its own, checked
-  drivekit plan --case case.json --price 3000          when a second is worth 3 kJ
-  drivekit plan --case case.json --frontier 8          energy against time
-  drivekit plan --case case.json -o plan.csv           as a log that `drivekit energy` reads"
+  drivekit plan road.toml --vehicle bmw-i3-60ah --arrive 600      in ten minutes, for the least energy
+  drivekit plan road.toml --price 3000                            when a second is worth 3 kJ
+  drivekit plan road.toml --frontier 8                            energy against time
+  drivekit plan road.toml --signals lights.json -o plan.csv       as a log that `drivekit energy` reads
+  drivekit plan drive.csv                                         the road of a drive, in its time
+  drivekit plan --case case.json                                  a problem on a grid of its own"
 )]
 pub(crate) struct PlanArgs {
-    /// A problem on a grid of its own, as the reference plans state it
-    #[arg(long, value_name = "FILE.json", required = true)]
-    case: PathBuf,
+    #[command(flatten)]
+    #[serde(flatten)]
+    logs: LogArgs,
+    /// A problem on a grid of its own: car, nodes, limits and windows in one JSON file
+    #[arg(long, value_name = "FILE.json")]
+    case: Option<PathBuf>,
+    /// Vehicle: a built-in name (see `drivekit vehicle list`) or a TOML file; b250e if left out
+    #[arg(long, value_name = "NAME|FILE")]
+    vehicle: Option<String>,
     /// Latest arrival after the start, in s
     #[arg(long, value_name = "S", value_parser = numbers::arrival_s)]
     arrive: Option<f64>,
@@ -46,6 +55,24 @@ pub(crate) struct PlanArgs {
     /// Plans from the fastest to the cheapest, this many
     #[arg(long, value_name = "N", value_parser = numbers::frontier)]
     frontier: Option<usize>,
+    /// Strongest braking and acceleration, in m/s² [default: -2,1.5]
+    #[arg(long, value_name = "MIN,MAX", value_parser = numbers::accels_mps2, allow_hyphen_values = true)]
+    accel: Option<[f64; 2]>,
+    /// Slowest speed where the car does not stand, in km/h [default: 1.8]
+    #[arg(long, value_name = "KMH", value_parser = numbers::slowest_kmh)]
+    slowest: Option<f64>,
+    /// Power of the auxiliaries in place of the vehicle's, in W
+    #[arg(long, value_name = "W", value_parser = numbers::aux_power_w)]
+    aux_power: Option<f64>,
+    /// Temperature of the air, in °C
+    #[arg(long, value_name = "C", value_parser = numbers::temperature_degc, allow_hyphen_values = true)]
+    temperature: Option<f64>,
+    /// Signals in place of the road's: a JSON list of {position_m, green_s: [[from, to], …]} or {position_m, cycle_s, green_from_s, green_s}
+    #[arg(long, value_name = "FILE.json")]
+    signals: Option<PathBuf>,
+    /// The car ahead: positions on the road over time, a CSV file with the columns time_s, position_m
+    #[arg(long, value_name = "FILE.csv")]
+    leader: Option<PathBuf>,
     /// Gap to the bound at which the search may end, in %
     #[arg(long, value_name = "PCT", default_value_t = 0.01, value_parser = numbers::gap_pct)]
     max_gap: f64,
@@ -63,6 +90,8 @@ pub(crate) struct PlanArgs {
 struct Body {
     vehicle: String,
     road: RoadDocument,
+    /// What was assumed, changed or left out.
+    findings: Vec<String>,
     plans: Vec<PlanDocument>,
     /// Where nothing can be driven.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -77,25 +106,36 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
     if let Some(path) = &args.output {
         output::check_file_place(path)?;
     }
-    let files = FileInputs::read([args.case.clone()])?;
-    let name = args.case.display().to_string();
-    let text =
-        std::fs::read_to_string(&args.case).with_context(|| format!("cannot read `{name}`"))?;
-    let case = Case::from_json(&text, &name)?;
-    let model = StepModel::new(&case.vehicle);
-    let problem = Problem::new(model, case.envelope.clone(), case.columns.clone())
-        .with_context(|| name.clone())?;
+    let source = Source::read(args, context)?;
+    for finding in &source.findings {
+        output::note(context, finding);
+    }
+    let mut model = StepModel::new(&source.vehicle);
+    if let Some(temperature_degc) = args.temperature {
+        model = model.in_weather(&Weather {
+            temperature_degc,
+            elevation_m: 0.0,
+        })?;
+    }
+    if let Some(power_w) = args.aux_power {
+        model = model.with_auxiliary_power(power_w)?;
+    }
+    let problem = Problem::new(model, source.envelope.clone(), source.columns.clone())?;
     let settings = Settings {
         max_gap_pct: args.max_gap,
         ..Settings::default()
     };
-    let body = planned(args, &problem, case.latest_arrival_s, &settings, context)?;
+    let body = planned(args, &problem, &source, &settings, context)?;
     let outcome = if body.obstacle.is_some() {
         Outcome::Negative
     } else {
         Outcome::Done
     };
-    let mut document = Document::new("plan", args, &files, body);
+    let listing: Listing = match &source.inputs {
+        SourceInputs::Files(files) => files.into(),
+        SourceInputs::Logs(logs) => logs.into(),
+    };
+    let mut document = Document::new("plan", args, listing, body);
     let judged = document.judged(&args.require)?;
     match context.format {
         Format::Json => output::print_json(&document)?,
@@ -107,13 +147,14 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
 fn planned(
     args: &PlanArgs,
     problem: &Problem,
-    latest_s: Option<f64>,
+    source: &Source,
     settings: &Settings,
     context: &Context,
 ) -> anyhow::Result<Body> {
     let mut body = Body {
         vehicle: problem.model().vehicle().spec().name.clone(),
         road: RoadDocument::new(problem),
+        findings: source.findings.clone(),
         plans: Vec::new(),
         obstacle: None,
         frontier: Vec::new(),
@@ -132,7 +173,11 @@ fn planned(
     let demand = match (args.arrive, args.price) {
         (Some(latest_s), _) => Demand::Arrival(latest_s),
         (None, Some(price_w)) => Demand::Price(price_w),
-        (None, None) => latest_s.map_or(Demand::Price(0.0), Demand::Arrival),
+        (None, None) => match source.arrival_s {
+            Some(latest_s) => Demand::Arrival(latest_s),
+            None if args.case.is_some() => Demand::Price(0.0),
+            None => unhurried(problem, settings)?,
+        },
     };
     let started = Instant::now();
     let answer = plan(problem, demand, settings)?;
@@ -155,4 +200,19 @@ fn planned(
         }
     }
     Ok(body)
+}
+
+/// Nobody said when: 5 % over the earliest arrival, lights and leader included.
+fn unhurried(problem: &Problem, settings: &Settings) -> anyhow::Result<Demand> {
+    const SHARE: f64 = 1.05;
+    /// A price that leaves little but time.
+    const HURRY_W: f64 = 1e5;
+    let columns = problem.columns();
+    let in_traffic = !columns.signals.is_empty() || !columns.earliest_s.is_empty();
+    let hurry = Demand::Price(if in_traffic { HURRY_W } else { 0.0 });
+    Ok(match plan(problem, hurry, settings)?.plan() {
+        Some(plan) if in_traffic => Demand::Arrival(SHARE * plan.time_s),
+        Some(plan) => Demand::Arrival(SHARE * plan.earliest_arrival_s),
+        None => hurry,
+    })
 }

@@ -1,0 +1,181 @@
+//! What is planned for: a road file, a log, or a problem on a grid of its own.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use assistance::{RoadSettings, planned_road};
+use driver_model::road::{DrawnRoad, LeaderAt, RoadFile};
+use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
+use speed_plan::{Case, Columns, Envelope};
+
+use super::PlanArgs;
+use crate::cmd::motions::motions;
+use crate::cmd::phases::vehicle;
+use crate::flags::Context;
+use crate::inputs::files::FileInputs;
+use crate::inputs::{self, Inputs};
+use crate::output;
+
+/// The car where none is named.
+const DEFAULT_VEHICLE: &str = "b250e";
+
+pub(super) struct Source {
+    pub(super) vehicle: Vehicle,
+    pub(super) envelope: Envelope,
+    pub(super) columns: Columns,
+    /// Arrival that the source has of its own, s.
+    pub(super) arrival_s: Option<f64>,
+    pub(super) findings: Vec<String>,
+    pub(super) inputs: SourceInputs,
+}
+
+pub(super) enum SourceInputs {
+    Files(FileInputs),
+    Logs(Inputs),
+}
+
+impl Source {
+    pub(super) fn read(args: &PlanArgs, context: &Context) -> anyhow::Result<Self> {
+        match (&args.case, args.logs.logs.as_slice()) {
+            (Some(case), []) => of_case(args, case),
+            (Some(_), _) => bail!("--case is a problem of its own; give no road beside it"),
+            (None, []) => bail!("give a road file, a log, or --case FILE.json"),
+            (None, [road]) if is_road_file(road) => {
+                let file = RoadFile::read(road)?;
+                let name = road.display().to_string();
+                let inputs = SourceInputs::Files(FileInputs::read([road.clone()])?);
+                of_road(args, file, &name, None, inputs, context)
+            }
+            (None, _) => of_log(args, context),
+        }
+    }
+}
+
+fn is_road_file(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    extension.eq_ignore_ascii_case("toml") || extension.eq_ignore_ascii_case("json")
+}
+
+fn of_case(args: &PlanArgs, path: &Path) -> anyhow::Result<Source> {
+    let given = [
+        ("--vehicle", args.vehicle.is_some()),
+        ("--accel", args.accel.is_some()),
+        ("--signals", args.signals.is_some()),
+        ("--leader", args.leader.is_some()),
+        ("--slowest", args.slowest.is_some()),
+    ];
+    if let Some((flag, _)) = given.iter().find(|(_, given)| *given) {
+        bail!("{flag} is for roads; `{}` says it itself", path.display());
+    }
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
+    let case = Case::from_json(&text, &name)?;
+    Ok(Source {
+        vehicle: case.vehicle,
+        envelope: case.envelope,
+        columns: case.columns,
+        arrival_s: case.latest_arrival_s,
+        findings: Vec::new(),
+        inputs: SourceInputs::Files(FileInputs::read([path.to_path_buf()])?),
+    })
+}
+
+fn of_log(args: &PlanArgs, context: &Context) -> anyhow::Result<Source> {
+    let inputs = inputs::load_once(&args.logs, context)?;
+    if inputs.len() != 1 {
+        bail!(
+            "{} drives were given; a plan is for one (`drivekit road` draws one road out of several drives)",
+            inputs.len()
+        );
+    }
+    let motions = motions(&inputs, DEFAULT_SLOPE_BANDWIDTH_M)?;
+    let drawn = DrawnRoad::of_drives(&motions)?;
+    let arrival_s = motions.iter().map(driver_model::Motion::duration_s).sum();
+    let name = inputs.first().map(inputs::Input::label).unwrap_or_default();
+    let mut source = of_road(
+        args,
+        drawn.road,
+        &name,
+        Some(arrival_s),
+        SourceInputs::Logs(inputs),
+        context,
+    )?;
+    source.findings.splice(0..0, drawn.findings);
+    Ok(source)
+}
+
+fn of_road(
+    args: &PlanArgs,
+    mut file: RoadFile,
+    name: &str,
+    arrival_s: Option<f64>,
+    inputs: SourceInputs,
+    context: &Context,
+) -> anyhow::Result<Source> {
+    if let Some(path) = &args.signals {
+        file.signals = signals(path, file.length_m)?;
+    }
+    if let Some(path) = &args.leader {
+        file.leader = leader(path)?;
+        file = file.checked(&path.display().to_string())?;
+    }
+    let mut settings = RoadSettings::default();
+    if let Some(slowest_kmh) = args.slowest {
+        settings.slowest_mps = slowest_kmh / 3.6;
+    }
+    let (road, findings) = planned_road(&file, &settings);
+    if road.limits.is_empty() {
+        bail!("{name}: the road has no speed limits; give `limits`, the first at position 0");
+    }
+    let chosen = args.vehicle.as_deref().unwrap_or_else(|| {
+        output::note(
+            context,
+            &format!("no --vehicle: the plan is for `{DEFAULT_VEHICLE}`"),
+        );
+        DEFAULT_VEHICLE
+    });
+    let envelope = match args.accel {
+        Some([min, max]) => Envelope::constant(min, max)?,
+        None => Envelope::default(),
+    };
+    Ok(Source {
+        vehicle: vehicle(chosen)?,
+        envelope,
+        columns: road.columns().with_context(|| name.to_owned())?,
+        arrival_s,
+        findings,
+        inputs,
+    })
+}
+
+/// Signals of a JSON list, read as those of a road file are.
+fn signals(path: &PathBuf, length_m: f64) -> anyhow::Result<Vec<driver_model::road::Signal>> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
+    let road = format!("{{\"length_m\": {length_m}, \"signals\": {text}\n}}");
+    Ok(RoadFile::from_json(&road, &name)?.signals)
+}
+
+/// Positions of a leader from a CSV file with the columns `time_s` and `position_m`.
+fn leader(path: &PathBuf) -> anyhow::Result<Vec<LeaderAt>> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
+    let mut lines = text.lines().enumerate();
+    let header = lines.next().map(|(_, line)| line.replace(' ', ""));
+    if header.as_deref() != Some("time_s,position_m") {
+        bail!("{name}, line 1: expected the header `time_s,position_m`");
+    }
+    lines
+        .filter(|(_, line)| !line.trim().is_empty())
+        .map(|(index, line)| {
+            let values: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
+            match values.as_deref() {
+                Ok(&[time_s, position_m]) => Ok(LeaderAt { time_s, position_m }),
+                _ => bail!(
+                    "{name}, line {}: expected two numbers, found `{line}`",
+                    index + 1
+                ),
+            }
+        })
+        .collect()
+}
