@@ -139,6 +139,27 @@ pub(crate) enum OnError {
     Skip,
 }
 
+/// The defaults of the flags.
+impl Default for ReadingArgs {
+    fn default() -> Self {
+        let Preparation {
+            step_s,
+            smooth,
+            max_gap_s,
+            raw,
+        } = Preparation::default();
+        Self {
+            layout: "auto".to_owned(),
+            step: step_s,
+            smooth,
+            max_gap: max_gap_s,
+            raw,
+            limit_map: None,
+            on_error: OnError::Stop,
+        }
+    }
+}
+
 impl ReadingArgs {
     pub(crate) fn preparation(&self) -> Preparation {
         Preparation {

@@ -31,6 +31,7 @@ mod limit_map;
 mod little_data;
 mod many_logs;
 mod outputs;
+mod plan;
 mod portrait;
 mod predict_follow;
 mod program;

@@ -75,6 +75,9 @@ fn documents() -> Vec<(&'static str, Value)> {
     add("portrait", &["portrait", &drives, "--fleet", &drives]);
     let drive = fixture("drives/drive-01.csv");
     add("road", &["road", &drive, "-o", "road.toml"]);
+    let road = fixture("roads/town-and-country.toml");
+    add("plan", &["plan", &road, "--arrive", "300"]);
+    add("plan", &["plan", &road, "--frontier", "3"]);
     add("vehicle-check", &["vehicle", "check"]);
     add(
         "vehicle-point",
@@ -252,6 +255,11 @@ fn commands() -> Vec<(Vec<String>, &'static str, &'static str)> {
             ]),
             "mean.swab.mean_length>0",
             "mean.swab.std_length<0",
+        ),
+        (
+            own(&["plan", &fixture("roads/town-and-country.toml")]),
+            "plans.gap_pct<0.1",
+            "plans.energy_j<1",
         ),
         (
             own(&["energy", &drive, "--vehicle", "b250e"]),

@@ -74,6 +74,7 @@ fn texts() {
         ),
         ("portrait", "portrait drives"),
         ("road", "road drives/drive-01.csv -o /dev/null"),
+        ("plan", "plan roads/town-and-country.toml --arrive 300"),
         (
             "energy",
             "energy drives/drive-01.csv drives/drive-02.csv --vehicle b250e",
@@ -110,6 +111,10 @@ fn documents() {
         ),
         ("portrait-document", "portrait drives"),
         ("road-document", "road drives/drive-01.csv -o /dev/null"),
+        (
+            "plan-document",
+            "plan roads/town-and-country.toml --arrive 300",
+        ),
         (
             "energy-document",
             "energy drives/drive-01.csv --vehicle b250e",

@@ -102,7 +102,8 @@ pub fn replan(
     plan_from(problem, demand, settings, Some(near))
 }
 
-/// Plans from the fastest to the cheapest, at arrivals that are evenly apart.
+/// Plans from nearly the fastest to the cheapest, at arrivals that are evenly apart. Arrivals that lights or a leader do not allow are
+/// left out; without any plan, what is in the way.
 ///
 /// # Errors
 /// As [`plan`].
@@ -112,23 +113,24 @@ pub fn frontier(
     settings: &Settings,
 ) -> Result<Vec<Answer>, Error> {
     let cheapest = plan(problem, Demand::Price(0.0), settings)?;
-    let Some(slowest) = cheapest.plan() else {
+    let fastest = plan(problem, Demand::Price(HURRY_W), settings)?;
+    let (Some(slow), Some(fast)) = (cheapest.plan(), fastest.plan()) else {
         return Ok(vec![cheapest]);
     };
-    let (first_s, last_s) = (slowest.earliest_arrival_s, slowest.time_s);
-    let arrivals = (0..points.saturating_sub(1)).map(|k| {
-        let share = (k as f64 + FASTEST_SHARE) / (points as f64 - 1.0 + FASTEST_SHARE);
-        Demand::Arrival(first_s + share * (last_s - first_s))
-    });
-    let mut plans = arrivals
+    let last = points.saturating_sub(1).max(1) as f64;
+    let between = (1..points.saturating_sub(1))
+        .map(|k| Demand::Arrival(fast.time_s + k as f64 / last * (slow.time_s - fast.time_s)))
         .map(|demand| plan(problem, demand, settings))
         .collect::<Result<Vec<_>, Error>>()?;
+    let between = between.into_iter().filter(|answer| answer.plan().is_some());
+    let mut plans: Vec<Answer> = between.collect();
+    plans.insert(0, fastest);
     plans.push(cheapest);
     Ok(plans)
 }
 
-/// Where the first point of a frontier lies after the earliest arrival, in spacings: the fastest plan of all has no freedom and no price.
-const FASTEST_SHARE: f64 = 0.25;
+/// A price of time in W that leaves little but time.
+pub const HURRY_W: f64 = 1e5;
 
 fn plan_from(
     problem: &Problem,

@@ -1,8 +1,10 @@
 use crate::error::Error;
 use crate::problem::{Columns, NO_LEADER_S, Signal};
 
-/// Length of a step next to a standstill, m; from step to step it grows by [`GROWTH`] up to [`LONGEST_STEP_M`].
+/// Length of a step next to a standstill, m, and next to a place that is passed at a speed, s; from step to step it grows by
+/// [`GROWTH`] up to [`LONGEST_STEP_M`].
 const FIRST_STEP_M: f64 = 1.0;
+const FIRST_STEP_S: f64 = 0.7;
 const GROWTH: f64 = 1.5;
 const LONGEST_STEP_M: f64 = 40.0;
 
@@ -76,8 +78,8 @@ impl Default for Road {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
     position_m: f64,
-    /// Whether the car may stand there: steps beside it are short.
-    still: bool,
+    /// How fast it is passed: the slower, the shorter are the steps beside it. 0 where the car may stand.
+    speed_mps: f64,
 }
 
 impl Road {
@@ -273,40 +275,30 @@ impl Road {
     }
 
     fn places(&self) -> Vec<Place> {
-        let moving = |position_m| Place {
+        let place = |position_m, speed_mps| Place {
             position_m,
-            still: false,
-        };
-        let still = |position_m| Place {
-            position_m,
-            still: true,
+            speed_mps,
         };
         let mut places = vec![
-            Place {
-                position_m: 0.0,
-                still: self.start_mps <= 0.0,
-            },
-            Place {
-                position_m: self.length_m,
-                still: self.end_mps <= 0.0,
-            },
+            place(0.0, self.start_mps),
+            place(self.length_m, self.end_mps),
         ];
-        places.extend(self.limits.iter().map(|limit| moving(limit.0)));
-        places.extend(self.slow_points.iter().map(|point| moving(point.0)));
-        places.extend(
-            self.curves
-                .iter()
-                .flat_map(|curve| [moving(curve[0]), moving(curve[1])]),
-        );
-        places.extend(self.stops.iter().map(|stop| still(stop.0)));
-        places.extend(self.signals.iter().map(|signal| still(signal.0)));
+        let limits = self.limits.windows(2);
+        places.extend(limits.map(|pair| place(pair[1].0, pair[0].1.min(pair[1].1))));
+        places.extend(self.slow_points.iter().map(|point| place(point.0, point.1)));
+        for &[from, to, radius_m] in &self.curves {
+            let speed_mps = (LATERAL_MPS2 * radius_m).sqrt();
+            places.extend([place(from, speed_mps), place(to, speed_mps)]);
+        }
+        places.extend(self.stops.iter().map(|stop| place(stop.0, 0.0)));
+        places.extend(self.signals.iter().map(|signal| place(signal.0, 0.0)));
         places.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
         // Of places that are one, the first and the last of the road stay where they are.
         let mut merged: Vec<Place> = Vec::with_capacity(places.len());
         for place in places {
             match merged.last_mut() {
                 Some(last) if place.position_m - last.position_m < SAME_PLACE_M => {
-                    last.still |= place.still;
+                    last.speed_mps = last.speed_mps.min(place.speed_mps);
                     let is_start = last.position_m <= 0.0;
                     if place.position_m >= self.length_m && !is_start {
                         last.position_m = self.length_m;
@@ -414,10 +406,11 @@ fn positions(places: &[Place]) -> Vec<f64> {
     for pair in places.windows(2) {
         let (from, to) = (pair[0], pair[1]);
         let length_m = to.position_m - from.position_m;
-        let both = from.still && to.still;
-        let room_m = if both { 0.5 * length_m } else { length_m };
-        let near = |still: bool| if still { graded(room_m) } else { Vec::new() };
-        let (begin, end) = (near(from.still), near(to.still));
+        let both = from.speed_mps <= 0.0 && to.speed_mps <= 0.0;
+        let (begin, end) = (
+            graded(0.5 * length_m, from.speed_mps),
+            graded(0.5 * length_m, to.speed_mps),
+        );
         let begin_m: f64 = begin.iter().sum();
         let end_m: f64 = end.iter().sum();
         let middle_m = length_m - begin_m - end_m;
@@ -446,10 +439,11 @@ fn positions(places: &[Place]) -> Vec<f64> {
     nodes
 }
 
-/// Growing steps within a length.
-fn graded(room_m: f64) -> Vec<f64> {
+/// Growing steps within a length, from a place that is passed at a speed.
+fn graded(room_m: f64, speed_mps: f64) -> Vec<f64> {
     let mut steps = Vec::new();
-    let (mut step_m, mut left_m) = (FIRST_STEP_M, room_m);
+    let mut step_m = FIRST_STEP_M.max(FIRST_STEP_S * speed_mps);
+    let mut left_m = room_m;
     while step_m < LONGEST_STEP_M && step_m <= left_m {
         steps.push(step_m);
         left_m -= step_m;

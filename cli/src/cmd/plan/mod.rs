@@ -10,10 +10,10 @@ use clap::{ArgGroup, Args};
 use ev_energy::{StepModel, Weather};
 use serde::Serialize;
 use source::{Source, SourceInputs};
-use speed_plan::{Answer, Demand, Problem, Settings, frontier, plan};
+use speed_plan::{Answer, Demand, HURRY_W, Problem, Settings, frontier, plan};
 
 use crate::exit::Outcome;
-use crate::flags::{Context, Format, LogArgs};
+use crate::flags::{Context, Format};
 use crate::numbers;
 use crate::output;
 use crate::render::json::{Document, Listing};
@@ -37,9 +37,16 @@ Examples:
   drivekit plan --case case.json                                  a problem on a grid of its own"
 )]
 pub(crate) struct PlanArgs {
-    #[command(flatten)]
-    #[serde(flatten)]
-    logs: LogArgs,
+    /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road
+    #[arg(value_name = "ROAD|LOG")]
+    #[serde(skip)]
+    road: Option<PathBuf>,
+    /// Layout of the log: auto, the name of a built-in one, or a TOML file
+    #[arg(long, default_value = "auto", value_name = "LAYOUT")]
+    layout: String,
+    /// Map with speed limits for a log with positions: GeoJSON lines with `maxspeed`
+    #[arg(long, value_name = "FILE.geojson")]
+    limit_map: Option<PathBuf>,
     /// A problem on a grid of its own: car, nodes, limits and windows in one JSON file
     #[arg(long, value_name = "FILE.json")]
     case: Option<PathBuf>,
@@ -103,9 +110,6 @@ struct Body {
 pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome> {
     args.require
         .check(&KnownFigures::new(include_str!("../../figures/plan.txt")))?;
-    if let Some(path) = &args.output {
-        output::check_file_place(path)?;
-    }
     let source = Source::read(args, context)?;
     for finding in &source.findings {
         output::note(context, finding);
@@ -205,8 +209,6 @@ fn planned(
 /// Nobody said when: 5 % over the earliest arrival, lights and leader included.
 fn unhurried(problem: &Problem, settings: &Settings) -> anyhow::Result<Demand> {
     const SHARE: f64 = 1.05;
-    /// A price that leaves little but time.
-    const HURRY_W: f64 = 1e5;
     let columns = problem.columns();
     let in_traffic = !columns.signals.is_empty() || !columns.earliest_s.is_empty();
     let hurry = Demand::Price(if in_traffic { HURRY_W } else { 0.0 });

@@ -11,7 +11,7 @@ use speed_plan::{Case, Columns, Envelope};
 use super::PlanArgs;
 use crate::cmd::motions::motions;
 use crate::cmd::phases::vehicle;
-use crate::flags::Context;
+use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::inputs::files::FileInputs;
 use crate::inputs::{self, Inputs};
 use crate::output;
@@ -36,17 +36,17 @@ pub(super) enum SourceInputs {
 
 impl Source {
     pub(super) fn read(args: &PlanArgs, context: &Context) -> anyhow::Result<Self> {
-        match (&args.case, args.logs.logs.as_slice()) {
-            (Some(case), []) => of_case(args, case),
-            (Some(_), _) => bail!("--case is a problem of its own; give no road beside it"),
-            (None, []) => bail!("give a road file, a log, or --case FILE.json"),
-            (None, [road]) if is_road_file(road) => {
+        match (&args.case, &args.road) {
+            (Some(case), None) => of_case(args, case),
+            (Some(_), Some(_)) => bail!("--case is a problem of its own; give no road beside it"),
+            (None, None) => bail!("give a road file, a log, or --case FILE.json"),
+            (None, Some(road)) if is_road_file(road) => {
                 let file = RoadFile::read(road)?;
                 let name = road.display().to_string();
                 let inputs = SourceInputs::Files(FileInputs::read([road.clone()])?);
                 of_road(args, file, &name, None, inputs, context)
             }
-            (None, _) => of_log(args, context),
+            (None, Some(log)) => of_log(args, log, context),
         }
     }
 }
@@ -80,8 +80,16 @@ fn of_case(args: &PlanArgs, path: &Path) -> anyhow::Result<Source> {
     })
 }
 
-fn of_log(args: &PlanArgs, context: &Context) -> anyhow::Result<Source> {
-    let inputs = inputs::load_once(&args.logs, context)?;
+fn of_log(args: &PlanArgs, path: &Path, context: &Context) -> anyhow::Result<Source> {
+    let logs = LogArgs {
+        logs: vec![path.to_path_buf()],
+        reading: ReadingArgs {
+            layout: args.layout.clone(),
+            limit_map: args.limit_map.clone(),
+            ..ReadingArgs::default()
+        },
+    };
+    let inputs = inputs::load_once(&logs, context)?;
     if inputs.len() != 1 {
         bail!(
             "{} drives were given; a plan is for one (`drivekit road` draws one road out of several drives)",

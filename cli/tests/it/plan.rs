@@ -1,0 +1,184 @@
+//! Speed plans: roads, drives, stated problems, and what cannot be driven.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{Run, drivekit_in, fixture, shared};
+
+fn plan(folder: &TempDir, arguments: &[&str]) -> Run {
+    drivekit_in(folder.path(), &[&["plan"], arguments].concat())
+}
+
+#[test]
+fn a_road_is_planned_for_its_arrival_and_the_plan_is_a_log() {
+    let folder = TempDir::new().unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    let run = plan(
+        &folder,
+        &[
+            &road, "--arrive", "300", "-o", "plan.csv", "--format", "json",
+        ],
+    )
+    .ok();
+    let document: Value = run.json();
+    assert_eq!(document["schema"], "drivekit/plan/1");
+    let found = &document["plans"][0];
+    assert_eq!(
+        (&found["outcome"], &found["bound"]),
+        (&"optimal".into(), &"proven".into())
+    );
+    assert!((found["time_s"].as_f64().unwrap() - 300.0).abs() < 1e-6);
+    let energy_j = found["energy_j"].as_f64().unwrap();
+    assert!(found["lower_bound_j"].as_f64().unwrap() <= energy_j);
+    let sampled_j = found["sampled_energy_j"].as_f64().unwrap();
+    assert!(
+        (sampled_j - energy_j).abs() < 1e-3 * energy_j,
+        "{sampled_j} {energy_j}"
+    );
+    let window = &found["signals"][0]["window_s"];
+    let passage_s = found["signals"][0]["passage_s"].as_f64().unwrap();
+    assert!(window[0].as_f64().unwrap() <= passage_s && passage_s <= window[1].as_f64().unwrap());
+
+    let energy = drivekit_in(
+        folder.path(),
+        &[
+            "energy",
+            "plan.csv",
+            "--vehicle",
+            "b250e",
+            "--warm-start",
+            "--raw",
+            "--format",
+            "json",
+        ],
+    )
+    .ok()
+    .json();
+    let modelled_j = energy["logs"][0]["modelled"]["battery_energy_j"]
+        .as_f64()
+        .unwrap();
+    assert!(
+        (modelled_j - energy_j).abs() < 2e-3 * energy_j,
+        "{modelled_j} {energy_j}"
+    );
+}
+
+#[test]
+fn a_drive_is_planned_in_its_own_time() {
+    let folder = TempDir::new().unwrap();
+    let drive = fixture("drives/drive-01.csv");
+    let run = plan(
+        &folder,
+        &[&drive, "--vehicle", "bmw-i3-60ah", "--format", "json"],
+    )
+    .ok();
+    let document = run.json();
+    let found = &document["plans"][0];
+    assert!((found["latest_arrival_s"].as_f64().unwrap() - 599.9).abs() < 1.0);
+    assert!(found["gap_pct"].as_f64().unwrap() < 0.01);
+}
+
+#[test]
+fn what_cannot_be_driven_ends_with_1_and_says_what_could() {
+    let folder = TempDir::new().unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    let run = plan(&folder, &[&road, "--arrive", "100", "--format", "json"]);
+    assert_eq!(run.code, 1);
+    let document = run.json();
+    let obstacle = &document["obstacle"];
+    assert_eq!(obstacle["outcome"], "too_late");
+    assert!(obstacle["earliest_s"].as_f64().unwrap() > 200.0);
+}
+
+#[test]
+fn signals_and_a_leader_come_from_files() {
+    let folder = TempDir::new().unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    let lights = r#"[{"position_m": 600, "green_s": [[0, 10], [200, 260]]}]"#;
+    fs::write(folder.path().join("lights.json"), lights).unwrap();
+    let run = plan(
+        &folder,
+        &[
+            &road,
+            "--signals",
+            "lights.json",
+            "--arrive",
+            "480",
+            "--format",
+            "json",
+        ],
+    )
+    .ok();
+    let passage_s = run.json()["plans"][0]["signals"][0]["passage_s"]
+        .as_f64()
+        .unwrap();
+    assert!((201.0..=259.0).contains(&passage_s), "{passage_s}");
+    let slow: String = (0..600).map(|t| format!("{t},{}\n", 30 + 8 * t)).collect();
+    fs::write(
+        folder.path().join("leader.csv"),
+        format!("time_s,position_m\n{slow}"),
+    )
+    .unwrap();
+    let run = plan(
+        &folder,
+        &[
+            &road,
+            "--leader",
+            "leader.csv",
+            "--arrive",
+            "560",
+            "--format",
+            "json",
+        ],
+    )
+    .ok();
+    let time_s = run.json()["plans"][0]["time_s"].as_f64().unwrap();
+    assert!(time_s > 480.0, "{time_s}");
+    let backwards = "time_s,position_m\n0,50\n1,40\n";
+    fs::write(folder.path().join("leader.csv"), backwards).unwrap();
+    let run = plan(&folder, &[&road, "--leader", "leader.csv"]);
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("leader"), "{}", run.stderr);
+}
+
+#[test]
+fn bad_roads_and_flags_name_what_is_wrong() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("no-limit.toml"), "length_m = 500\n").unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    for (arguments, parts) in [
+        (vec!["no-limit.toml"], vec!["limits"]),
+        (vec![], vec!["road file", "--case"]),
+        (vec![&road, "--case", "x.json"], vec!["--case"]),
+        (vec![&road, "--accel", "1,2"], vec!["--accel"]),
+        (
+            vec![&road, "--arrive", "300", "--price", "3"],
+            vec!["--arrive", "--price"],
+        ),
+    ] {
+        let run = plan(&folder, &arguments);
+        assert_eq!(run.code, 2, "{arguments:?}");
+        for part in parts {
+            assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn stated_problems_are_planned_on_their_own_grid() {
+    let Some(zones) = shared("vectors/planning/zones.json") else {
+        return;
+    };
+    let folder = TempDir::new().unwrap();
+    let run = plan(
+        &folder,
+        &["--case", zones.to_str().unwrap(), "--format", "json"],
+    )
+    .ok();
+    let document = run.json();
+    let found = &document["plans"][0];
+    assert_eq!(found["nodes"]["position_m"].as_array().unwrap().len(), 117);
+    assert!((found["time_s"].as_f64().unwrap() - 230.0).abs() < 1e-5);
+}
