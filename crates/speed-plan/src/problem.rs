@@ -117,6 +117,15 @@ impl<'a> Problem<'a> {
         self.model.standing_power_w(self.node_slope_rad(node))
     }
 
+    /// How long the car stands at a node at least, s; the trip ends on arrival.
+    pub(crate) fn dwell_s(&self, node: usize) -> f64 {
+        if node + 1 < self.nodes() {
+            self.columns.dwell_s[node]
+        } else {
+            0.0
+        }
+    }
+
     /// Largest acceleration in a step at a mean speed, by the envelope and by what motor and battery give.
     pub(crate) fn max_accel(&self, step: usize, speed_mps: f64) -> f64 {
         let comfort = self.envelope.max_at(speed_mps).accel_mps2;

@@ -61,6 +61,41 @@ impl Reachable {
         Ok(Self { low, high })
     }
 
+    /// The same where the car may also stand at some nodes, with the lowest squared speeds that were asked for: beyond a stand it may be slower
+    /// than else, as it has to start, and before one, as it needs no momentum. At such a node, of those that pass it.
+    pub(crate) fn with_stands(self, problem: &Problem, asked: &[f64], may_stand: &[usize]) -> Self {
+        if may_stand.is_empty() {
+            return self;
+        }
+        let mut low = self.low.clone();
+        let of_passing_or_standing = |node: usize, low: f64| {
+            if may_stand.contains(&node) { 0.0 } else { low }
+        };
+        let beyond =
+            |step, here, direction, limits| beyond(problem, 1.0, step, here, direction, limits);
+        // Where the lowest speed is beyond the fastest after a stand, it gives way.
+        let mut after_stand = f64::INFINITY;
+        for k in 1..problem.nodes() {
+            let step = k - 1;
+            let here = of_passing_or_standing(step, after_stand);
+            after_stand = if here < self.high[step] {
+                beyond(step, here, Direction::Forward, Limits::Strongest)
+            } else {
+                f64::INFINITY
+            };
+            let before = of_passing_or_standing(step, low[step]);
+            let braked = beyond(step, before, Direction::Forward, Limits::Braking);
+            let least = asked[k].min(after_stand).max(braked);
+            low[k] = low[k].min(least);
+        }
+        for step in (0..problem.nodes() - 1).rev() {
+            let next = of_passing_or_standing(step + 1, low[step + 1]);
+            let needed = beyond(step, next, Direction::Backward, Limits::Strongest);
+            low[step] = low[step].max(needed.min(self.low[step]));
+        }
+        Self { low, ..self }
+    }
+
     pub(crate) fn is_fixed(&self, node: usize) -> bool {
         self.high[node] - self.low[node] <= 1e-9 * (1.0 + self.high[node])
     }
