@@ -310,10 +310,11 @@ impl<'a> Search<'a> {
         let Ok(reachable) = Reachable::within(problem, low.clone(), high.clone(), 1.0) else {
             return self.none_passes(open);
         };
-        if !self.can_be_early(&task, &reachable) {
+        let outer = reachable.clone().outer(problem, [&low, &high], &may_stand);
+        if !self.can_be_early(&task, &outer) {
             return Relaxation::Empty;
         }
-        if !self.can_be_late(&task, &reachable) {
+        if !self.can_be_late(&task, &outer) {
             return self.none_passes(open);
         }
         let mut start = self.start(&reachable, &low, &high);
@@ -344,7 +345,7 @@ impl<'a> Search<'a> {
                 let bound = lower_bound(
                     problem,
                     &self.formula,
-                    &reachable.clone().with_stands(problem, &low, &may_stand),
+                    &outer,
                     &task,
                     &solution,
                     0.1 * 0.01 * self.settings.max_gap_pct * drive.scale_j(),
