@@ -20,7 +20,7 @@ pub struct SampledPlan {
     pub position_m: Vec<f64>,
     /// Slope angle, rad.
     pub slope_rad: Vec<f64>,
-    /// Lowest of the limits of the nodes around, m/s.
+    /// Higher of the limits of the nodes around, m/s.
     pub limit_mps: Vec<f64>,
 }
 

@@ -127,6 +127,17 @@ impl Envelope {
         (min, max)
     }
 
+    /// Largest change of a limit per change of the speed, 1/s.
+    pub(crate) fn steepest_per_s(&self) -> f64 {
+        let steepness = |pair: &[EnvelopePoint]| {
+            let change = (pair[1].min_mps2 - pair[0].min_mps2)
+                .abs()
+                .max((pair[1].max_mps2 - pair[0].max_mps2).abs());
+            change / (pair[1].speed_mps - pair[0].speed_mps)
+        };
+        self.points.windows(2).map(steepness).fold(0.0, f64::max)
+    }
+
     fn at(&self, speed_mps: f64, limit: impl Fn(&EnvelopePoint) -> f64) -> Limit {
         let end = self
             .points

@@ -117,6 +117,15 @@ impl<'a> Problem<'a> {
         self.model.standing_power_w(self.node_slope_rad(node))
     }
 
+    /// How long the car stands at a node at least, s; the trip ends on arrival.
+    pub(crate) fn dwell_s(&self, node: usize) -> f64 {
+        if node + 1 < self.nodes() {
+            self.columns.dwell_s[node]
+        } else {
+            0.0
+        }
+    }
+
     /// Largest acceleration in a step at a mean speed, by the envelope and by what motor and battery give.
     pub(crate) fn max_accel(&self, step: usize, speed_mps: f64) -> f64 {
         let comfort = self.envelope.max_at(speed_mps).accel_mps2;
@@ -129,6 +138,47 @@ impl<'a> Problem<'a> {
         let spare_n = (1.0 - 1e-9) * self.model.propulsion_limit_n(speed_mps)
             - self.model.resistance_n(&self.steps[step], speed_mps);
         spare_n / self.model.vehicle().effective_mass_kg()
+    }
+
+    /// Whether motor and battery may give less than an acceleration at some mean speed within a range.
+    pub(crate) fn may_be_weaker(&self, step: usize, range_mps: [f64; 2], accel: f64) -> bool {
+        // Force falls with the speed, and resistance is largest at an end.
+        let road = &self.steps[step];
+        let resistance_n = range_mps
+            .map(|speed_mps| self.model.resistance_n(road, speed_mps))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let spare_n = (1.0 - 1e-9) * self.model.propulsion_limit_n(range_mps[1]) - resistance_n;
+        spare_n < accel * self.model.vehicle().effective_mass_kg()
+    }
+
+    /// The speed in m/s from which on what motor and battery give in a step, where it is less than an acceleration, falls by no more than
+    /// `2v/h` per rise of the speed.
+    ///
+    /// A force that power limits falls by `G/w`, one that the battery limits by `(G + L'/γ_p c)/w` at most.
+    pub(crate) fn weaker_steep_below_mps(&self, step: usize, top_mps: f64, accel: f64) -> f64 {
+        let vehicle = self.model.vehicle();
+        let Some(formula) = self.model.formula() else {
+            return f64::INFINITY;
+        };
+        if formula.motor_speed_per_mps * top_mps > vehicle.spec().motor.max_speed_rad_s {
+            // Beyond its highest speed the motor gives nothing.
+            return f64::INFINITY;
+        }
+        let road = &self.steps[step];
+        let mass_kg = formula.effective_mass_kg;
+        let resistance_n = formula.standing_force_n(road)
+            + (formula.linear_n_per_mps.max(0.0) + formula.quadratic_n_per_mps2 * top_mps)
+                * top_mps;
+        let idle_w_per_mps = formula.iron_w_per_mps
+            + 3.0 * formula.windage_w_per_mps3 * top_mps * top_mps
+            + formula.weakening_w / formula.weakening_from_mps;
+        let gear = formula.propelling_nm_per_n * formula.motor_speed_per_mps;
+        let force_n = (mass_kg * accel + resistance_n).max(0.0) + idle_w_per_mps / gear;
+        let by_air = formula.linear_n_per_mps.abs() + 2.0 * formula.quadratic_n_per_mps2 * top_mps;
+        // 2 m v/h ≥ by_air + force/v
+        let square = 2.0 * mass_kg / road.length_m();
+        (by_air + (by_air * by_air + 4.0 * square * force_n).sqrt()) / (2.0 * square)
     }
 
     /// [`Self::strongest_accel`] with its slope over the speed.

@@ -61,8 +61,142 @@ impl Reachable {
         Ok(Self { low, high })
     }
 
+    /// Ranges of squared speeds that hold every plan between others that were asked for, also those that stand at some nodes; at such a node, those
+    /// that pass it.
+    ///
+    /// Beyond a stand a car may be slower than else, as it has to start, and before one, as it needs no momentum. Where limits change with the speed
+    /// faster than `2v/h`, the fastest plan is not the fastest at every node: a slower start has a lower mean speed, at which more may be allowed.
+    pub(crate) fn outer(self, problem: &Problem, asked: [&[f64]; 2], may_stand: &[usize]) -> Self {
+        let nodes = problem.nodes();
+        let [asked_low, asked_high] = asked;
+        let lowest = |node: usize| asked_low[node].min(self.low[node]);
+        // No end is faster than the largest acceleration of the envelope takes it.
+        let mut fastest = asked_high[0];
+        let steep_z: Vec<f64> = (0..nodes - 1)
+            .map(|step| {
+                let from = fastest;
+                let top_mps = mean_speed(from, asked_high[step + 1]);
+                let (_, most) = problem.envelope.range(0.0, top_mps);
+                let reach = 2.0 * problem.steps[step].length_m() * most;
+                fastest = asked_high[step + 1].min(from + reach);
+                let slowest = lowest(step).min(lowest(step + 1));
+                steep_below_z(problem, step, slowest.sqrt(), mean_speed(from, fastest))
+            })
+            .collect();
+        if may_stand.is_empty() && steep_z.iter().all(|z| *z <= 0.0) {
+            return self;
+        }
+        let passing_or_standing = |node: usize, low: f64| {
+            if may_stand.contains(&node) { 0.0 } else { low }
+        };
+        let mut low = asked_low.to_vec();
+        let mut high = asked_high.to_vec();
+        // The squared speed at the other end of a step, or what no acceleration at any speed goes beyond.
+        let ends = |step: usize, low: &[f64], high: &[f64], here: f64, direction, limits| {
+            let root = beyond(problem, 1.0, step, here, direction, limits);
+            let steep = steep_z[step];
+            if steep <= 0.0 {
+                return root;
+            }
+            let slowest = mean_speed(
+                passing_or_standing(step, low[step]),
+                passing_or_standing(step + 1, low[step + 1]),
+            );
+            let top_mps = mean_speed(high[step], high[step + 1]);
+            let (min, max) = problem.envelope.range(slowest, top_mps);
+            let reach = 2.0 * problem.steps[step].length_m();
+            match (direction, limits) {
+                // Both ends beyond the steep speeds, the other end below them, or this one.
+                (Direction::Forward, Limits::Strongest) => {
+                    root.max(steep).max(here.min(steep) + reach * max)
+                }
+                (Direction::Backward, Limits::Braking) => {
+                    root.max(steep).max(here.min(steep) - reach * min)
+                }
+                (Direction::Forward, Limits::Braking) => (here + reach * min).max(0.0),
+                (Direction::Backward, Limits::Strongest) => (here - reach * max).max(0.0),
+            }
+        };
+        // Where the lowest speed is beyond the fastest after a stand, it gives way, as where it did without one.
+        let mut after_stand = f64::INFINITY;
+        for k in 1..nodes {
+            let step = k - 1;
+            low[k] = low[k].min(self.low[k]);
+            let fastest = ends(
+                step,
+                &low,
+                &high,
+                high[step],
+                Direction::Forward,
+                Limits::Strongest,
+            );
+            high[k] = high[k].min(fastest);
+            let here = passing_or_standing(step, after_stand);
+            after_stand = if here < high[step] {
+                beyond(
+                    problem,
+                    1.0,
+                    step,
+                    here,
+                    Direction::Forward,
+                    Limits::Strongest,
+                )
+            } else {
+                f64::INFINITY
+            };
+            let before = passing_or_standing(step, low[step]);
+            let braked = ends(
+                step,
+                &low,
+                &high,
+                before,
+                Direction::Forward,
+                Limits::Braking,
+            );
+            low[k] = low[k].min(after_stand).max(braked).min(high[k]);
+        }
+        for step in (0..nodes - 1).rev() {
+            let next = passing_or_standing(step + 1, low[step + 1]);
+            let needed = ends(
+                step,
+                &low,
+                &high,
+                next,
+                Direction::Backward,
+                Limits::Strongest,
+            );
+            let braked = ends(
+                step,
+                &low,
+                &high,
+                high[step + 1],
+                Direction::Backward,
+                Limits::Braking,
+            );
+            high[step] = high[step].min(braked.max(low[step]));
+            low[step] = low[step].max(needed.min(high[step]));
+        }
+        Self { low, high }
+    }
+
     pub(crate) fn is_fixed(&self, node: usize) -> bool {
         self.high[node] - self.low[node] <= 1e-9 * (1.0 + self.high[node])
+    }
+}
+
+/// The squared speed of both ends from which on the fastest end of a step belongs to the fastest start: there limits change by no more than
+/// `2v/h` per change of the mean speed. 0 where they do at every speed of a range.
+fn steep_below_z(problem: &Problem, step: usize, slowest_mps: f64, fastest_mps: f64) -> f64 {
+    let length_m = problem.steps[step].length_m();
+    let mut from_mps = 0.5 * problem.envelope.steepest_per_s() * length_m;
+    let (_, comfort) = problem.envelope.range(slowest_mps, fastest_mps);
+    if problem.may_be_weaker(step, [slowest_mps, fastest_mps], comfort) {
+        from_mps = from_mps.max(problem.weaker_steep_below_mps(step, fastest_mps, comfort));
+    }
+    if from_mps <= slowest_mps {
+        0.0
+    } else {
+        from_mps * from_mps
     }
 }
 

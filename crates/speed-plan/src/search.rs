@@ -53,6 +53,18 @@ struct Part {
     bound_j: f64,
 }
 
+impl Part {
+    /// Those that stand at a signal, and those that pass it.
+    fn decided(&self, index: usize) -> Vec<Self> {
+        let with = |stands| {
+            let mut child = self.clone();
+            child.visits[index].stands = Some(stands);
+            child
+        };
+        vec![with(true), with(false)]
+    }
+}
+
 impl Ord for Part {
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound_j.total_cmp(&self.bound_j)
@@ -89,6 +101,8 @@ enum Relaxation {
     Solved(Box<Relaxed>),
     /// No plan is in the part.
     Empty,
+    /// None is without a stand at one of the signals where that is open, of which this is the first.
+    Undecided(usize),
     /// None was found.
     Failed,
 }
@@ -170,6 +184,10 @@ impl<'a> Search<'a> {
             let relaxed = match self.relax(&part) {
                 Relaxation::Solved(relaxed) => *relaxed,
                 Relaxation::Empty => continue,
+                Relaxation::Undecided(index) => {
+                    open.extend(part.decided(index));
+                    continue;
+                }
                 Relaxation::Failed => {
                     left_j = left_j.min(part.bound_j);
                     continue;
@@ -259,10 +277,7 @@ impl<'a> Search<'a> {
         let mut may_stand = Vec::new();
         for (signal, visit) in problem.columns.signals.iter().zip(&part.visits) {
             match visit.stands {
-                Some(true) => {
-                    (low[signal.node], high[signal.node]) = (0.0, 0.0);
-                    task.waits.push(signal.node);
-                }
+                Some(true) => task.waits.push(signal.node),
                 Some(false) => {}
                 None => may_stand.push(signal.node),
             }
@@ -279,6 +294,11 @@ impl<'a> Search<'a> {
             low[node] = low[node].max(least);
             high[node] = high[node].min(most);
         }
+        // A cut is of those that pass.
+        for &node in &task.waits {
+            (low[node], high[node]) = (0.0, 0.0);
+        }
+        let open = part.visits.iter().position(|visit| visit.stands.is_none());
         if let Demand::Arrival(latest_s) = self.demand {
             task.time_bounds.push(TimeBound {
                 node: problem.nodes() - 1,
@@ -288,10 +308,14 @@ impl<'a> Search<'a> {
             });
         }
         let Ok(reachable) = Reachable::within(problem, low.clone(), high.clone(), 1.0) else {
-            return Relaxation::Empty;
+            return self.none_passes(open);
         };
-        if !self.can_keep(&task, &reachable) {
+        let outer = reachable.clone().outer(problem, [&low, &high], &may_stand);
+        if !self.can_be_early(&task, &outer) {
             return Relaxation::Empty;
+        }
+        if !self.can_be_late(&task, &outer) {
+            return self.none_passes(open);
         }
         let mut start = self.start(&reachable, &low, &high);
         let mut barrier_j = FIRST_BARRIER_J;
@@ -321,7 +345,7 @@ impl<'a> Search<'a> {
                 let bound = lower_bound(
                     problem,
                     &self.formula,
-                    &reachable,
+                    &outer,
                     &task,
                     &solution,
                     0.1 * 0.01 * self.settings.max_gap_pct * drive.scale_j(),
@@ -351,24 +375,53 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the fastest and the slowest plan leave room for every time bound.
-    fn can_keep(&self, task: &Task, reachable: &Reachable) -> bool {
+    /// What follows from no plan passing all signals where standing is open.
+    fn none_passes(&mut self, open: Option<usize>) -> Relaxation {
+        let Some(index) = open else {
+            return Relaxation::Empty;
+        };
+        // Counted, so that many signals do not keep the search for ever.
+        self.solved += 1;
+        Relaxation::Undecided(index)
+    }
+
+    /// When squared speeds pass or leave the node of a time bound, waits aside, s.
+    fn passing_s(&self, bound: &TimeBound, passing_s: &[f64]) -> f64 {
+        let dwell_s = if bound.after_wait {
+            self.problem.dwell_s(bound.node)
+        } else {
+            0.0
+        };
+        passing_s[bound.node] + dwell_s
+    }
+
+    /// Whether the fastest plan keeps every latest time.
+    fn can_be_early(&self, task: &Task, reachable: &Reachable) -> bool {
         let fastest_s = passing_s(self.problem, &reachable.high);
+        let fastest = |bound: &TimeBound| self.passing_s(bound, &fastest_s);
+        let bounds = task.time_bounds.iter();
+        bounds.clone().filter(|bound| bound.at_most).all(|bound| {
+            let before = |other: &&TimeBound| {
+                let at_once = other.node == bound.node && other.after_wait == bound.after_wait;
+                !other.at_most && (other.node < bound.node || at_once)
+            };
+            let earliest_s = bounds
+                .clone()
+                .filter(before)
+                .map(|other| other.time_s + fastest(bound) - fastest(other))
+                .fold(fastest(bound), f64::max);
+            earliest_s <= bound.time_s + ROUNDING_S
+        })
+    }
+
+    /// Whether the slowest plan keeps every earliest time, where it may not wait before.
+    fn can_be_late(&self, task: &Task, reachable: &Reachable) -> bool {
         let slowest_s = passing_s(self.problem, &reachable.low);
         let first_wait = task.waits.iter().copied().min().unwrap_or(usize::MAX);
-        task.time_bounds.iter().all(|bound| {
-            if bound.at_most {
-                let after_others = task
-                    .time_bounds
-                    .iter()
-                    .filter(|other| !other.at_most && other.node <= bound.node);
-                let earliest_s = after_others
-                    .map(|other| other.time_s + fastest_s[bound.node] - fastest_s[other.node])
-                    .fold(fastest_s[bound.node], f64::max);
-                earliest_s <= bound.time_s + ROUNDING_S
-            } else {
-                bound.node >= first_wait || slowest_s[bound.node] >= bound.time_s - ROUNDING_S
-            }
+        let mut earliest = task.time_bounds.iter().filter(|bound| !bound.at_most);
+        earliest.all(|bound| {
+            bound.node >= first_wait
+                || self.passing_s(bound, &slowest_s) >= bound.time_s - ROUNDING_S
         })
     }
 
@@ -415,12 +468,7 @@ impl<'a> Search<'a> {
             .collect();
         for (&index, extra) in open.iter().zip(&relaxed.standing_extra_j) {
             if *extra < 0.0 {
-                let decided = |stands| {
-                    let mut child = part.clone();
-                    child.visits[index].stands = Some(stands);
-                    child
-                };
-                return vec![decided(true), decided(false)];
+                return part.decided(index);
             }
         }
         self.split_speed(part, relaxed)
@@ -458,7 +506,8 @@ impl<'a> Search<'a> {
             child.cuts.push((node, least, most));
             child
         };
-        vec![within(low * low, middle), within(middle, high * high)]
+        // Where it is open whether the car stands, speeds beyond the range of those that pass are possible.
+        vec![within(0.0, middle), within(middle, f64::INFINITY)]
     }
 
     fn answer(mut self, left_j: f64, earliest_arrival_s: f64, whole: &Reachable) -> Answer {
@@ -578,13 +627,14 @@ impl<'a> Search<'a> {
                 earliest_arrival_s: held_up_s,
             };
         }
-        let mut earliest_s = 0.0;
+        let leaving_s = |node: usize| fastest_s[node] + problem.dwell_s(node);
+        let mut earliest_s = leaving_s(0);
         let mut before = 0;
         for signal in &problem.columns.signals {
-            let reached_s = earliest_s + fastest_s[signal.node] - fastest_s[before];
+            let reached_s = earliest_s + leaving_s(signal.node) - leaving_s(before);
             let window = signal.green_s.iter().find(|[_, to_s]| *to_s >= reached_s);
             let latest_s = match self.demand {
-                Demand::Arrival(latest_s) => latest_s - (arrival_s - fastest_s[signal.node]),
+                Demand::Arrival(latest_s) => latest_s - (arrival_s - leaving_s(signal.node)),
                 Demand::Price(_) => f64::INFINITY,
             };
             match window {
@@ -601,7 +651,7 @@ impl<'a> Search<'a> {
             }
         }
         Obstacle::TooLate {
-            earliest_arrival_s: earliest_s + arrival_s - fastest_s[before],
+            earliest_arrival_s: earliest_s + arrival_s - leaving_s(before),
         }
     }
 }

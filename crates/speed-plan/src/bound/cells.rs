@@ -11,6 +11,9 @@ use super::curvature::{
 use super::interval::Interval;
 use crate::problem::{Problem, mean_speed};
 
+/// By how much rounding may take an acceleration beyond its limit, m/s².
+pub(super) const ACCEL_ROUNDING: f64 = 1e-9;
+
 /// Ratio of the ends of slices of the mean speed.
 const SLICE_RATIO: f64 = 1.08;
 
@@ -172,9 +175,14 @@ impl StepCost<'_> {
             return nothing();
         }
         let [from, to] = self.at;
+        let accel = self.accel(from, to);
+        // Where the car does not pass as planned, the nearest point may brake harder than any motion for which convexity is known.
+        if accel < cell.accel.low - ACCEL_ROUNDING {
+            return nothing();
+        }
         let convexity = self
             .convexity
-            .and_then(|convexity| convexity.part(cell.w.high, self.shares, self.accel(from, to)));
+            .and_then(|convexity| convexity.part(cell.w.high, self.shares, accel));
         let Some(convex) = convexity else {
             return nothing();
         };
@@ -191,7 +199,7 @@ impl StepCost<'_> {
         let mut tangent = Tangent::default();
         for (branch, share) in BRANCHES.into_iter().zip(self.shares) {
             if share > 0.0 {
-                tangent = tangent.plus(self.branch_tangent(branch, self.at), share);
+                tangent = tangent.plus(self.branch_tangent(branch, self.at, false), share);
             }
         }
         tangent.value += self.potential_j(from, to);
@@ -220,10 +228,11 @@ impl StepCost<'_> {
         let length_m = self.road().length_m();
         let mut least = f64::INFINITY;
         let mut high = cell.w.high;
-        while high > cell.w.low {
+        // At least once: a step between given speeds is a single motion.
+        loop {
             let slice = Interval::new((high / SLICE_RATIO).max(cell.w.low), high);
-            // No end is below 0.
-            let most = 2.0 * high * high / length_m;
+            // No end is below 0; from standstill, this is the acceleration but for rounding.
+            let most = 2.0 * (1.0 + 1e-12) * high * high / length_m;
             let accel = Interval::new(cell.accel.low.max(-most), cell.accel.high.min(most));
             let apart = accel.magnitude() * length_m / (2.0 * slice.low);
             let sum = Interval::new(
@@ -234,8 +243,10 @@ impl StepCost<'_> {
                 least = least.min(self.flat_bound(sum, slice, accel));
             }
             high = slice.low;
+            if high <= cell.w.low {
+                return least;
+            }
         }
-        least
     }
 
     /// All motions on the way from a point of a cell's rectangle to any of its motions: cuts by speed or acceleration leave no convex set
@@ -434,6 +445,14 @@ impl StepCost<'_> {
         shares: [f64; 3],
         lines: &Lines,
     ) -> f64 {
+        if [cell.from, cell.to]
+            .iter()
+            .any(|end| end.low <= 0.0 && 0.0 < end.high)
+        {
+            // No slope at standstill.
+            return f64::NEG_INFINITY;
+        }
+        let fades = patch.w.high > self.formula.fade_start_mps;
         let mut total = Bend::default();
         let mut tangent = Tangent::default();
         for (branch, share) in BRANCHES.into_iter().zip(shares) {
@@ -447,7 +466,7 @@ impl StepCost<'_> {
                 return f64::NEG_INFINITY;
             };
             total = total.plus(bend, share);
-            tangent = tangent.plus(self.branch_tangent(branch, at), share);
+            tangent = tangent.plus(self.branch_tangent(branch, at, fades), share);
         }
         let (accel, rest) = self.accel_terms(at, patch.w, lines);
         tangent.value += accel.value + self.potential_j(at[0], at[1]) - rest;
@@ -508,8 +527,8 @@ impl StepCost<'_> {
         lowest
     }
 
-    /// Energy and price of time on one branch.
-    fn branch_tangent(&self, branch: Branch, at: [f64; 2]) -> Tangent {
+    /// Energy and price of time on one branch; where regeneration begins, of the speeds beyond if it `fades`, else of those before.
+    fn branch_tangent(&self, branch: Branch, at: [f64; 2], fades: bool) -> Tangent {
         let formula = self.formula;
         let [from, to] = at;
         let (v0, v1) = (from.sqrt(), to.sqrt());
@@ -521,7 +540,7 @@ impl StepCost<'_> {
         };
         let (b, c) = (formula.linear_n_per_mps, formula.quadratic_n_per_mps2);
         let (force, force_w, force_a) = if branch == Branch::Friction {
-            let (r, r_w) = self.regeneration(w);
+            let (r, r_w) = self.regeneration(w, fades);
             (-r, -r_w, 0.0)
         } else {
             let force = formula.effective_mass_kg * self.accel(from, to)
@@ -555,8 +574,8 @@ impl StepCost<'_> {
         }
     }
 
-    /// Limit of regeneration and its slope.
-    fn regeneration(&self, w: f64) -> (f64, f64) {
+    /// Limit of regeneration and its slope; where it begins, of the speeds beyond if it `fades`.
+    fn regeneration(&self, w: f64, fades: bool) -> (f64, f64) {
         let formula = self.formula;
         let (start, end) = (formula.fade_start_mps, formula.fade_end_mps);
         let by_power = formula.regeneration_w / w;
@@ -566,7 +585,7 @@ impl StepCost<'_> {
             (formula.regeneration_n, 0.0)
         };
         let per = 1.0 / (end - start);
-        if w <= start {
+        if w < start || w <= start && !fades {
             (0.0, 0.0)
         } else if w >= end {
             (limit, limit_w)
@@ -688,4 +707,43 @@ fn below(
     }
     let middle = 0.5 * (low + high);
     [low, high].map(|end| factor * (function(middle) + slope(middle) * (end - middle)))
+}
+
+/// What the attacks of [`super::tests`] look at.
+#[cfg(test)]
+impl StepCost<'_> {
+    /// Cost without potentials on one branch, and its gradient.
+    pub(super) fn on_branch(&self, branch: Branch, at: [f64; 2]) -> [f64; 3] {
+        let Tangent { value, gradient } = self.branch_tangent(branch, at, true);
+        [value, gradient[0], gradient[1]]
+    }
+
+    /// Gradient of the weighted branches without potentials.
+    pub(super) fn slope(&self, at: [f64; 2]) -> [f64; 2] {
+        let branches = BRANCHES.into_iter().zip(self.shares);
+        branches.fold([0.0; 2], |slope, (branch, share)| {
+            let of_branch = self.branch_tangent(branch, at, true).gradient;
+            [0, 1].map(|k| slope[k] + share * of_branch[k])
+        })
+    }
+
+    /// What is claimed of a branch within ranges: how much it may bend downwards, and whether it is nowhere above the cost.
+    pub(super) fn claims(
+        &self,
+        branch: Branch,
+        [from, to]: [Interval; 2],
+    ) -> Option<(super::curvature::Defect, bool)> {
+        let cell = Cell {
+            from,
+            to,
+            w: Interval::new(mean_speed(from.low, to.low), mean_speed(from.high, to.high)),
+            accel: Interval::new(self.accel(from.high, to.low), self.accel(from.low, to.high)),
+        };
+        let patch = self.hull(&cell, [from.low, to.low], &self.lines());
+        let below = is_below(self.formula, branch, &patch);
+        // The friction branch bends as claimed only where it is below.
+        let bend =
+            bend(self.formula, branch, &patch).filter(|_| below || branch != Branch::Friction)?;
+        Some((bend.defect(self.formula, &patch), below))
+    }
 }

@@ -12,13 +12,15 @@
 mod cells;
 mod curvature;
 mod interval;
+#[cfg(test)]
+mod tests;
 
 use ev_energy::StepFormula;
 
 use crate::interior_point::{Solution, Task};
 use crate::problem::{Problem, mean_speed};
 use crate::reachable::Reachable;
-use cells::StepCost;
+use cells::{ACCEL_ROUNDING, StepCost};
 use curvature::{Convexity, Ranges};
 use interval::Interval;
 
@@ -52,9 +54,9 @@ pub(crate) fn lower_bound(
     let bounder = Bounder::new(problem, formula, reachable, solution, tolerance_j);
     let mut sum = Sum::default();
     let mut losses_j = Vec::with_capacity(steps);
+    let range = |k: usize| Interval::new(reachable.low[k], reachable.high[k]);
     let least: Vec<f64> = (0..steps)
         .scan(None, |convex, k| {
-            let range = |k: usize| Interval::new(reachable.low[k], reachable.high[k]);
             Some(bounder.least_j(k, range(k), range(k + 1), convex))
         })
         .map(|(least_j, loss_j)| {
@@ -69,20 +71,32 @@ pub(crate) fn lower_bound(
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1));
     // Ends are given: what the potentials take there is added again.
-    let p = &solution.potential;
-    for (node, sign) in [(0, -1.0), (steps, 1.0)] {
-        let end = sign * p[node];
-        let z = if end >= 0.0 {
-            reachable.low[node]
-        } else {
-            reachable.high[node]
-        };
-        sum.add(end * z);
-    }
+    let end_j = |node: usize, sign: f64| {
+        let end = sign * solution.potential[node];
+        let z = range(node);
+        end * if end >= 0.0 { z.low } else { z.high }
+    };
+    sum.add(end_j(0, -1.0));
+    sum.add(end_j(steps, 1.0));
+    let standing_w = |node: usize| {
+        problem.standing_power_w(node) + task.price_of_wait(node, &solution.multipliers_w)
+    };
     for (k, &dwell_s) in problem.columns.dwell_s.iter().enumerate().take(steps) {
-        // The dwell at a node is priced like the step after it.
         if dwell_s > 0.0 {
-            sum.add((problem.standing_power_w(k) + solution.step_price_w[k]) * dwell_s);
+            sum.add(standing_w(k) * dwell_s);
+        }
+    }
+    for &node in &task.waits {
+        let waiting_w = standing_w(node);
+        if waiting_w < 0.0 {
+            // The longer the better, up to the bounds that the wait counts for.
+            let latest_s = task
+                .time_bounds
+                .iter()
+                .filter(|bound| bound.at_most && bound.includes_wait_at(node))
+                .map(|bound| bound.time_s)
+                .fold(f64::INFINITY, f64::min);
+            sum.add(waiting_w * latest_s.max(0.0));
         }
     }
     for (bound, multiplier) in task.time_bounds.iter().zip(&solution.multipliers_w) {
@@ -92,22 +106,30 @@ pub(crate) fn lower_bound(
     let standing_extra_j = may_stand
         .iter()
         .map(|&node| {
-            let waiting_w =
-                problem.standing_power_w(node) + task.price_of_wait(node, &solution.multipliers_w);
-            if waiting_w < 0.0 {
+            if standing_w(node) < 0.0 {
                 return f64::NEG_INFINITY;
             }
             let still = Interval::point(0.0);
-            let range = |k: usize| Interval::new(problem.min_z[k], reachable.high[k]);
             let stopping = bounder
                 .least_j(node - 1, range(node - 1), still, &mut None)
                 .0;
-            let starting = bounder.least_j(node, still, range(node + 1), &mut None).0;
-            stopping + starting - least[node - 1] - least[node]
+            let (starting, passing) = if node < steps {
+                let starting = bounder.least_j(node, still, range(node + 1), &mut None).0;
+                (starting, least[node])
+            } else {
+                (0.0, end_j(node, 1.0))
+            };
+            stopping + starting - least[node - 1] - passing
         })
         .collect();
+    // Where a wait has no end, neither has what it is worth.
+    let energy_j = if sum.magnitude.is_finite() {
+        sum.value - ROUNDING * sum.magnitude
+    } else {
+        f64::NEG_INFINITY
+    };
     Bound {
-        energy_j: sum.value - ROUNDING * sum.magnitude,
+        energy_j,
         standing_extra_j,
         weakest: weakest.unwrap_or((0, 0.0)),
     }
@@ -153,7 +175,7 @@ impl<'a> Bounder<'a> {
             tolerance_j: tolerance_j / problem.steps.len() as f64,
             ranges: Ranges {
                 top_mps,
-                accel: Interval::new(min, max),
+                accel: Interval::new(min - ACCEL_ROUNDING, max),
                 standing_n: Interval::hull(
                     steps.clone().map(|step| formula.standing_force_n(step)),
                 ),

@@ -228,7 +228,12 @@ impl<'a> InteriorPoint<'a> {
             .filter(|(node, _)| bound.includes_wait_at(**node))
             .map(|(_, wait)| wait.slack)
             .sum();
-        self.passing_s[bound.node] + waited
+        let dwell_s = if bound.after_wait {
+            self.problem.dwell_s(bound.node)
+        } else {
+            0.0
+        };
+        self.passing_s[bound.node] + dwell_s + waited
     }
 
     /// Price of time of every step for multipliers of the time bounds.

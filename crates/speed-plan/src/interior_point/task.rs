@@ -2,7 +2,7 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TimeBound {
     pub(crate) node: usize,
-    /// After the wait at the node rather than on arrival.
+    /// After the stand at the node, dwell and wait, rather than on arrival.
     pub(crate) after_wait: bool,
     /// No later than the time; otherwise no earlier.
     pub(crate) at_most: bool,
@@ -14,8 +14,8 @@ impl TimeBound {
         if self.at_most { 1.0 } else { -1.0 }
     }
 
-    /// Whether time spent waiting at a node counts.
-    pub(super) fn includes_wait_at(&self, node: usize) -> bool {
+    /// Whether time spent standing at a node counts.
+    pub(crate) fn includes_wait_at(&self, node: usize) -> bool {
         node < self.node || (self.after_wait && node == self.node)
     }
 }
@@ -31,7 +31,7 @@ pub(crate) struct Task {
 }
 
 impl Task {
-    /// Price of the time that is spent waiting at a node, W.
+    /// Price of the time that is spent standing at a node, W.
     pub(crate) fn price_of_wait(&self, node: usize, multipliers_w: &[f64]) -> f64 {
         let bounds = self.time_bounds.iter().zip(multipliers_w);
         let later = bounds.filter(|(bound, _)| bound.includes_wait_at(node));

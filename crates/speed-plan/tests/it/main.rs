@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod bound_holds;
 mod brute_force;
 mod outcomes;
 mod roads;
