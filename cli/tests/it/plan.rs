@@ -56,9 +56,7 @@ fn a_road_is_planned_for_its_arrival_and_the_plan_is_a_log() {
     )
     .ok()
     .json();
-    let modelled_j = energy["logs"][0]["battery_energy_j"]
-        .as_f64()
-        .unwrap();
+    let modelled_j = energy["logs"][0]["battery_energy_j"].as_f64().unwrap();
     assert!(
         (modelled_j - energy_j).abs() < 2e-3 * energy_j,
         "{modelled_j} {energy_j}"

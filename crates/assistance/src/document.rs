@@ -1,6 +1,6 @@
 use ev_energy::{Budget, Error, JOULES_PER_KWH};
 use serde::Serialize;
-use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof};
+use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof, Run};
 
 use crate::sampled::SampledPlan;
 
@@ -29,12 +29,6 @@ pub enum Bound {
 pub struct PlanDocument {
     /// What came of it.
     pub outcome: PlanOutcome,
-    /// Energy from the cells, J.
-    pub energy_j: f64,
-    /// Energy at the terminals of the battery, J.
-    pub terminal_energy_j: f64,
-    /// Arrival, s.
-    pub time_s: f64,
     /// Latest arrival that was asked for, s; `None` at a price of time.
     pub latest_arrival_s: Option<f64>,
     /// Earliest arrival within limits and accelerations, s.
@@ -47,6 +41,22 @@ pub struct PlanDocument {
     pub gap_pct: f64,
     /// Whether the bound was proven.
     pub bound: Bound,
+    /// Time that planning took, ms; `None` without wall times.
+    pub solve_ms: Option<f64>,
+    /// What is driven.
+    #[serde(flatten)]
+    pub run: RunDocument,
+}
+
+/// One motion over the road as `drivekit/plan/1` gives it.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunDocument {
+    /// Energy from the cells, J.
+    pub energy_j: f64,
+    /// Energy at the terminals of the battery, J.
+    pub terminal_energy_j: f64,
+    /// Arrival, s.
+    pub time_s: f64,
     /// Consumption at the terminals, kWh per 100 km.
     pub consumption_kwh_per_100km: f64,
     /// Where the energy goes.
@@ -57,15 +67,13 @@ pub struct PlanDocument {
     pub sampled_energy_j: f64,
     /// Steps between nodes.
     pub steps: usize,
-    /// Time that planning took, ms; `None` without wall times.
-    pub solve_ms: Option<f64>,
     /// 95th percentile of the jerk, m/s³.
     pub jerk_p95_mps3: f64,
     /// Largest jerk, m/s³.
     pub jerk_max_mps3: f64,
     /// Passages of the signals.
     pub signals: Vec<SignalPassage>,
-    /// The plan itself.
+    /// The motion itself.
     pub nodes: Nodes,
 }
 
@@ -82,7 +90,7 @@ pub struct SignalPassage {
     pub stood_s: f64,
 }
 
-/// A plan by columns.
+/// A motion by columns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nodes {
     /// Position of every node, m.
@@ -110,32 +118,11 @@ impl PlanDocument {
         demand: Demand,
         solve_ms: Option<f64>,
     ) -> Result<Self, Error> {
-        let columns = problem.columns();
-        let model = problem.model();
-        let stands = plan
-            .stood_s
-            .iter()
-            .enumerate()
-            .filter(|(_, stood_s)| **stood_s > 0.0)
-            .map(|(node, stood_s)| (problem.node_slope_rad(node), *stood_s));
-        let energy = model.drive_energy(problem.steps(), &plan.speed_mps, stands);
-        let sampled = SampledPlan::new(problem, plan);
-        let [jerk_p95_mps3, jerk_max_mps3] = sampled.jerk_mps3();
-        let ends = problem.steps().iter().zip(plan.speed_mps.windows(2));
-        let force_n = ends
-            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]).wheel_force_n)
-            .collect();
-        let kinetic_j =
-            |v: Option<&f64>| 0.5 * model.vehicle().effective_mass_kg() * v.map_or(0.0, |v| v * v);
-        let speeds = &plan.speed_mps;
         Ok(Self {
             outcome: match plan.arrival {
                 Arrival::AsAsked => PlanOutcome::Optimal,
                 Arrival::Early => PlanOutcome::Early,
             },
-            energy_j: plan.energy_j,
-            terminal_energy_j: energy.terminal_energy_j,
-            time_s: plan.time_s,
             latest_arrival_s: match demand {
                 Demand::Arrival(latest_s) => Some(latest_s),
                 Demand::Price(_) => None,
@@ -148,6 +135,40 @@ impl PlanDocument {
                 Proof::Proven => Bound::Proven,
                 Proof::Numerical => Bound::Numerical,
             },
+            solve_ms,
+            run: RunDocument::new(problem, &plan.run)?,
+        })
+    }
+}
+
+impl RunDocument {
+    /// Describes a motion.
+    ///
+    /// # Errors
+    /// As [`ev_energy::Vehicle::trip_energy`].
+    pub fn new(problem: &Problem, run: &Run) -> Result<Self, Error> {
+        let columns = problem.columns();
+        let model = problem.model();
+        let stands = run
+            .stood_s
+            .iter()
+            .enumerate()
+            .filter(|(_, stood_s)| **stood_s > 0.0)
+            .map(|(node, stood_s)| (problem.node_slope_rad(node), *stood_s));
+        let energy = model.drive_energy(problem.steps(), &run.speed_mps, stands);
+        let sampled = SampledPlan::new(problem, run);
+        let [jerk_p95_mps3, jerk_max_mps3] = sampled.jerk_mps3();
+        let ends = problem.steps().iter().zip(run.speed_mps.windows(2));
+        let force_n = ends
+            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]).wheel_force_n)
+            .collect();
+        let kinetic_j =
+            |v: Option<&f64>| 0.5 * model.vehicle().effective_mass_kg() * v.map_or(0.0, |v| v * v);
+        let speeds = &run.speed_mps;
+        Ok(Self {
+            energy_j: run.energy_j,
+            terminal_energy_j: energy.terminal_energy_j,
+            time_s: run.time_s,
             consumption_kwh_per_100km: energy.terminal_energy_j
                 / JOULES_PER_KWH
                 / (energy.distance_m / 1e5),
@@ -155,14 +176,13 @@ impl PlanDocument {
             kinetic_difference_j: kinetic_j(speeds.last()) - kinetic_j(speeds.first()),
             sampled_energy_j: sampled.energy_j(model)?,
             steps: problem.steps().len(),
-            solve_ms,
             jerk_p95_mps3,
             jerk_max_mps3,
-            signals: passages(problem, plan),
+            signals: passages(problem, run),
             nodes: Nodes {
                 position_m: columns.position_m.clone(),
-                speed_mps: plan.speed_mps.clone(),
-                arrival_s: plan.arrival_s.clone(),
+                speed_mps: run.speed_mps.clone(),
+                arrival_s: run.arrival_s.clone(),
                 limit_mps: columns.max_mps.clone(),
                 slope_rad: columns.slope_rad.clone(),
                 force_n,
@@ -171,17 +191,17 @@ impl PlanDocument {
     }
 }
 
-fn passages(problem: &Problem, plan: &Plan) -> Vec<SignalPassage> {
+fn passages(problem: &Problem, run: &Run) -> Vec<SignalPassage> {
     let columns = problem.columns();
     let passage = |signal: &speed_plan::Signal| {
-        let passage_s = plan.arrival_s[signal.node] + plan.stood_s[signal.node];
+        let passage_s = run.arrival_s[signal.node] + run.stood_s[signal.node];
         let holds =
             |window: &&[f64; 2]| window[0] - 1e-5 <= passage_s && passage_s <= window[1] + 1e-5;
         SignalPassage {
             position_m: columns.position_m[signal.node],
             passage_s,
             window_s: signal.green_s.iter().find(holds).copied(),
-            stood_s: plan.stood_s[signal.node],
+            stood_s: run.stood_s[signal.node],
         }
     };
     columns.signals.iter().map(passage).collect()
@@ -286,8 +306,8 @@ impl FrontierPoint {
     #[must_use]
     pub fn new(plan: &Plan) -> Self {
         Self {
-            time_s: plan.time_s,
-            energy_j: plan.energy_j,
+            time_s: plan.run.time_s,
+            energy_j: plan.run.energy_j,
             price_w: plan.price_w,
             gap_pct: plan.gap_pct,
         }

@@ -8,7 +8,7 @@ mod sampled;
 
 pub use document::{
     Bound, FrontierPoint, Nodes, ObstacleDocument, PlanDocument, PlanOutcome, RoadDocument,
-    SignalPassage,
+    RunDocument, SignalPassage,
 };
 pub use road::{RoadSettings, planned_road};
 pub use sampled::SampledPlan;

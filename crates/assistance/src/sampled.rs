@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 
 use ev_energy::{Error, StepModel, Trip};
-use speed_plan::{Plan, Problem};
+use speed_plan::{Problem, Run};
 
 /// Sampling interval, s; the last is stretched to end with the plan.
 const STEP_S: f64 = 0.1;
@@ -25,12 +25,12 @@ pub struct SampledPlan {
 }
 
 impl SampledPlan {
-    /// Samples a plan: between nodes the acceleration is constant.
+    /// Samples a motion: between nodes the acceleration is constant.
     #[must_use]
-    pub fn new(problem: &Problem, plan: &Plan) -> Self {
+    pub fn new(problem: &Problem, run: &Run) -> Self {
         let columns = problem.columns();
-        let count = (plan.time_s / STEP_S).round().max(1.0);
-        let step_s = plan.time_s / count;
+        let count = (run.time_s / STEP_S).round().max(1.0);
+        let step_s = run.time_s / count;
         let mut sampled = Self {
             step_s,
             speed_mps: Vec::new(),
@@ -42,12 +42,12 @@ impl SampledPlan {
         let mut node = 0;
         for sample in 0..=count as usize {
             let time_s = sample as f64 * step_s;
-            while node < last && plan.arrival_s[node + 1] <= time_s {
+            while node < last && run.arrival_s[node + 1] <= time_s {
                 node += 1;
             }
             // Where the car stands, time passes at the node.
-            let since_s = (time_s - plan.arrival_s[node] - plan.stood_s[node]).max(0.0);
-            let (v0, v1) = (plan.speed_mps[node], plan.speed_mps[node + 1]);
+            let since_s = (time_s - run.arrival_s[node] - run.stood_s[node]).max(0.0);
+            let (v0, v1) = (run.speed_mps[node], run.speed_mps[node + 1]);
             let length_m = columns.position_m[node + 1] - columns.position_m[node];
             let takes_s = 2.0 * length_m / (v0 + v1);
             let share = (since_s / takes_s).min(1.0);

@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     match plan(&problem, Demand::Arrival(200.0), &Settings::default())? {
         Answer::Plan(plan) => println!(
             "{:.1} kJ in {:.1} s, at most {:.4} % too much; a second later saves {:.2} kJ",
-            plan.energy_j / 1e3,
-            plan.time_s,
+            plan.run.energy_j / 1e3,
+            plan.run.time_s,
             plan.gap_pct,
             plan.price_w / 1e3
         ),

@@ -163,7 +163,7 @@ fn main() {
             Answer::Obstacle(obstacle) => {
                 // The fastest through the lights, nearly: it must be later than what was allowed.
                 let hurry = plan(&problem, Demand::Price(1e5), &settings).unwrap();
-                let hurry_s = hurry.plan().map_or(f64::INFINITY, |plan| plan.time_s);
+                let hurry_s = hurry.plan().map_or(f64::INFINITY, |plan| plan.run.time_s);
                 let verdict = if hurry_s <= latest_s {
                     "WRONG"
                 } else {

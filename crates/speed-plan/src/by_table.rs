@@ -55,9 +55,6 @@ pub(crate) fn plan_by_table(problem: &Problem, demand: Demand) -> Result<Answer,
     let scale_j = drive.scale_j();
     Ok(Answer::Plan(Box::new(Plan {
         arrival,
-        speed_mps: drive.z.iter().map(|z| z.sqrt()).collect(),
-        energy_j: drive.energy_j,
-        time_s: drive.time_s(),
         earliest_arrival_s,
         price_w,
         step_price_w: vec![price_w; problem.steps.len()],
@@ -65,9 +62,7 @@ pub(crate) fn plan_by_table(problem: &Problem, demand: Demand) -> Result<Answer,
         gap_pct: 100.0 * (drive.energy_j - lower_bound_j) / scale_j,
         proof: Proof::Numerical,
         solved: 1,
-        arrival_s: drive.arrival_s,
-        stood_s: drive.stood_s,
-        step_energy_j: drive.step_energy_j,
+        run: drive.into(),
     })))
 }
 

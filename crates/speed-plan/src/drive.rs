@@ -1,5 +1,47 @@
-use crate::plan::energy_scale_j;
 use crate::problem::{Problem, mean_speed};
+
+/// A motion over the nodes of a road.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Speed at every node, m/s; constant acceleration between.
+    pub speed_mps: Vec<f64>,
+    /// Arrival at every node, s after the start, before any stand there.
+    pub arrival_s: Vec<f64>,
+    /// Time that the car stands at every node, dwells included, s.
+    pub stood_s: Vec<f64>,
+    /// Energy from the cells of every step, J.
+    pub step_energy_j: Vec<f64>,
+    /// Energy from the cells, stands included, J.
+    pub energy_j: f64,
+    /// Arrival at the end, s.
+    pub time_s: f64,
+}
+
+impl Run {
+    /// What percentages of the energy refer to, J: it may be near 0 downhill.
+    #[must_use]
+    pub fn energy_scale_j(&self) -> f64 {
+        energy_scale_j(self.energy_j, &self.step_energy_j)
+    }
+}
+
+fn energy_scale_j(energy_j: f64, step_energy_j: &[f64]) -> f64 {
+    let turned_over: f64 = step_energy_j.iter().map(|energy| energy.abs()).sum();
+    energy_j.abs().max(0.1 * turned_over)
+}
+
+impl From<Drive> for Run {
+    fn from(drive: Drive) -> Self {
+        Self {
+            speed_mps: drive.z.iter().map(|z| z.sqrt()).collect(),
+            time_s: drive.time_s(),
+            energy_j: drive.energy_j,
+            arrival_s: drive.arrival_s,
+            stood_s: drive.stood_s,
+            step_energy_j: drive.step_energy_j,
+        }
+    }
+}
 
 /// A motion over the nodes with its exact energy and times.
 #[derive(Debug, Clone)]

@@ -24,7 +24,7 @@
 //! let Answer::Plan(plan) = plan(&problem, Demand::Arrival(200.0), &Settings::default())? else {
 //!     return Err("nothing can be driven".into());
 //! };
-//! assert!((plan.time_s - 200.0).abs() < 1e-6);
+//! assert!((plan.run.time_s - 200.0).abs() < 1e-6);
 //! assert!(plan.gap_pct < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -64,6 +64,7 @@ mod search;
 mod tridiagonal;
 
 pub use case::Case;
+pub use drive::Run;
 pub use envelope::{Envelope, EnvelopePoint};
 pub use error::Error;
 pub use outcome::Obstacle;
@@ -119,7 +120,9 @@ pub fn frontier(
     };
     let last = points.saturating_sub(1).max(1) as f64;
     let between = (1..points.saturating_sub(1))
-        .map(|k| Demand::Arrival(fast.time_s + k as f64 / last * (slow.time_s - fast.time_s)))
+        .map(|k| {
+            Demand::Arrival(fast.run.time_s + k as f64 / last * (slow.run.time_s - fast.run.time_s))
+        })
         .map(|demand| plan(problem, demand, settings))
         .collect::<Result<Vec<_>, Error>>()?;
     let between = between.into_iter().filter(|answer| answer.plan().is_some());

@@ -1,3 +1,4 @@
+use crate::drive::Run;
 use crate::outcome::Obstacle;
 
 /// When a plan arrives.
@@ -71,18 +72,8 @@ pub enum Proof {
 pub struct Plan {
     /// Whether it arrives before it had to.
     pub arrival: Arrival,
-    /// Speed at every node, m/s; constant acceleration between.
-    pub speed_mps: Vec<f64>,
-    /// Arrival at every node, s after the start, before any stand there.
-    pub arrival_s: Vec<f64>,
-    /// Time that the car stands at every node, dwells included, s.
-    pub stood_s: Vec<f64>,
-    /// Energy from the cells of every step, J.
-    pub step_energy_j: Vec<f64>,
-    /// Energy from the cells, stands included, J.
-    pub energy_j: f64,
-    /// Arrival at the end, s.
-    pub time_s: f64,
+    /// The motion.
+    pub run: Run,
     /// Earliest arrival of any plan within limits and accelerations, signals and leader aside, s.
     pub earliest_arrival_s: f64,
     /// Price of time at the end of the trip, W: energy falls by it per second of later arrival.
@@ -97,17 +88,4 @@ pub struct Plan {
     pub proof: Proof,
     /// Problems that were solved on the way.
     pub solved: usize,
-}
-
-impl Plan {
-    /// What percentages of the energy refer to, J: it may be near 0 downhill.
-    #[must_use]
-    pub fn energy_scale_j(&self) -> f64 {
-        energy_scale_j(self.energy_j, &self.step_energy_j)
-    }
-}
-
-pub(crate) fn energy_scale_j(energy_j: f64, step_energy_j: &[f64]) -> f64 {
-    let turned_over: f64 = step_energy_j.iter().map(|energy| energy.abs()).sum();
-    energy_j.abs().max(0.1 * turned_over)
 }

@@ -539,9 +539,6 @@ impl<'a> Search<'a> {
             } else {
                 Arrival::AsAsked
             },
-            speed_mps: drive.z.iter().map(|z| z.sqrt()).collect(),
-            time_s: drive.time_s(),
-            energy_j: drive.energy_j,
             earliest_arrival_s,
             price_w: if early { 0.0 } else { price_w },
             step_price_w: best.solution.step_price_w,
@@ -549,9 +546,7 @@ impl<'a> Search<'a> {
             gap_pct: 100.0 * (drive.energy_j - lower_bound_j) / scale_j,
             proof: Proof::Proven,
             solved: self.solved,
-            arrival_s: drive.arrival_s,
-            stood_s: drive.stood_s,
-            step_energy_j: drive.step_energy_j,
+            run: drive.into(),
         }))
     }
 

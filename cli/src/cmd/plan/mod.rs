@@ -191,7 +191,7 @@ fn planned(
             body.plans
                 .push(PlanDocument::new(problem, plan, demand, solve_ms)?);
             if let Some(path) = &args.output {
-                let log = SampledPlan::new(problem, plan).csv();
+                let log = SampledPlan::new(problem, &plan.run).csv();
                 output::write_file(path, |out| Ok(out.write_all(log.as_bytes())?))?;
                 output::note(context, &format!("plan written to {}", path.display()));
             }
@@ -213,7 +213,7 @@ fn unhurried(problem: &Problem, settings: &Settings) -> anyhow::Result<Demand> {
     let in_traffic = !columns.signals.is_empty() || !columns.earliest_s.is_empty();
     let hurry = Demand::Price(if in_traffic { HURRY_W } else { 0.0 });
     Ok(match plan(problem, hurry, settings)?.plan() {
-        Some(plan) if in_traffic => Demand::Arrival(SHARE * plan.time_s),
+        Some(plan) if in_traffic => Demand::Arrival(SHARE * plan.run.time_s),
         Some(plan) => Demand::Arrival(SHARE * plan.earliest_arrival_s),
         None => hurry,
     })

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use assistance::{Bound, PlanDocument, PlanOutcome};
+use assistance::{Bound, PlanDocument, PlanOutcome, RunDocument};
 use ev_energy::JOULES_PER_KWH;
 use report::terminal::{Table, number};
 
@@ -26,7 +26,7 @@ pub(super) fn text(body: &Body) -> String {
         let _ = writeln!(text, "\nno plan: {}", obstacle.words);
     }
     for plan in &body.plans {
-        let _ = write!(text, "\n{}\n{}", summary(plan), course(plan).render());
+        let _ = write!(text, "\n{}\n{}", summary(plan), course(&plan.run).render());
     }
     if !body.frontier.is_empty() {
         let mut table = Table::new(["arrival s", "kWh", "price W", "gap %"]);
@@ -47,7 +47,7 @@ fn summary(plan: &PlanDocument) -> String {
     let kwh = |energy_j: f64| energy_j / JOULES_PER_KWH;
     let mut text = format!(
         "arrives after {:.1} s (earliest {:.1} s){}\n",
-        plan.time_s,
+        plan.run.time_s,
         plan.earliest_arrival_s,
         match plan.outcome {
             PlanOutcome::Early => ", before it has to: later would not be cheaper",
@@ -57,8 +57,8 @@ fn summary(plan: &PlanDocument) -> String {
     let _ = writeln!(
         text,
         "takes {:.4} kWh from the cells, {:.2} kWh/100 km at the terminals",
-        kwh(plan.energy_j),
-        plan.consumption_kwh_per_100km
+        kwh(plan.run.energy_j),
+        plan.run.consumption_kwh_per_100km
     );
     let _ = writeln!(
         text,
@@ -74,11 +74,11 @@ fn summary(plan: &PlanDocument) -> String {
         text,
         "a second later at the end saves {:.2} kJ; sampled at 10 Hz it takes {:+.3} %; jerk {:.2} m/s³ (95 %), {:.2} m/s³ at most",
         plan.price_w / 1e3,
-        100.0 * (plan.sampled_energy_j - plan.energy_j) / plan.energy_j.abs().max(1.0),
-        plan.jerk_p95_mps3,
-        plan.jerk_max_mps3
+        100.0 * (plan.run.sampled_energy_j - plan.run.energy_j) / plan.run.energy_j.abs().max(1.0),
+        plan.run.jerk_p95_mps3,
+        plan.run.jerk_max_mps3
     );
-    for signal in &plan.signals {
+    for signal in &plan.run.signals {
         let _ = writeln!(
             text,
             "signal at {:.0} m: {} after {:.1} s{}",
@@ -100,8 +100,8 @@ fn summary(plan: &PlanDocument) -> String {
 }
 
 /// Speed over the road at places that are evenly apart, and where the car stands.
-fn course(plan: &PlanDocument) -> Table {
-    let nodes = &plan.nodes;
+fn course(run: &RunDocument) -> Table {
+    let nodes = &run.nodes;
     let mut table = Table::new(["m", "km/h", "limit", "s", "wheel kN"]);
     let last = nodes.position_m.len() - 1;
     let apart_m = (nodes.position_m[last] - nodes.position_m[0]) / ROWS as f64;

@@ -442,8 +442,7 @@ fn second_derivatives_are_no_lower_than_claimed() {
                     / (2.0 * length_m)
                     + formula.standing_force_n(&problem.steps[0])
                     + (formula.linear_n_per_mps + formula.quadratic_n_per_mps2 * w) * w;
-                let force_w =
-                    formula.linear_n_per_mps + 2.0 * formula.quadratic_n_per_mps2 * w;
+                let force_w = formula.linear_n_per_mps + 2.0 * formula.quadratic_n_per_mps2 * w;
                 let r = formula.effective_mass_kg * (direction[1] - direction[0])
                     / (2.0 * length_m)
                     + (force_w - force_n / w) * s;

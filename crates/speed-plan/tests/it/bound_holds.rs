@@ -56,10 +56,10 @@ fn a_single_motion_costs_no_less_than_its_bound() {
             let plan = plan_of(columns, envelope.clone(), Demand::Price(1000.0));
             assert!(plan.gap_pct < 5.0, "{speeds:?}: {} %", plan.gap_pct);
             assert!(
-                plan.lower_bound_j <= plan.energy_j + 1e-9 * plan.energy_scale_j(),
+                plan.lower_bound_j <= plan.run.energy_j + 1e-9 * plan.run.energy_scale_j(),
                 "{speeds:?}: {} J of {} J",
                 plan.lower_bound_j,
-                plan.energy_j
+                plan.run.energy_j
             );
         }
     }
@@ -83,40 +83,40 @@ fn with_a_stop() -> Columns {
 fn a_light_at_a_stop_is_left_at_green() {
     let free = plan_of(with_a_stop(), Envelope::default(), Demand::Price(2000.0));
     // Red when the car would leave, green three seconds later.
-    let green_s = free.arrival_s[6] + 23.0;
+    let green_s = free.run.arrival_s[6] + 23.0;
     let mut columns = with_a_stop();
     columns.signals = vec![Signal {
         node: 6,
         green_s: vec![[green_s, 1000.0]],
     }];
     let plan = plan_of(columns, Envelope::default(), Demand::Price(2000.0));
-    assert!((plan.arrival_s[6] + plan.stood_s[6] - green_s).abs() < 1e-3);
+    assert!((plan.run.arrival_s[6] + plan.run.stood_s[6] - green_s).abs() < 1e-3);
     assert!(plan.gap_pct < 0.1, "{} %", plan.gap_pct);
     // The free plan that stands for three seconds more is one of those that the bound speaks of.
     let car = vehicle("b250e");
     let waiting_j = 3.0 * StepModel::new(&car).standing_power_w(0.0);
-    let cost_j = free.energy_j + waiting_j + 2000.0 * (free.time_s + 3.0);
-    let bound_j = plan.lower_bound_j + 2000.0 * plan.time_s;
+    let cost_j = free.run.energy_j + waiting_j + 2000.0 * (free.run.time_s + 3.0);
+    let bound_j = plan.lower_bound_j + 2000.0 * plan.run.time_s;
     assert!(
         bound_j <= cost_j + 1e-6 * cost_j,
         "{bound_j} J of {cost_j} J"
     );
-    assert!(plan.energy_j + 2000.0 * plan.time_s <= cost_j * (1.0 + 1e-4));
+    assert!(plan.run.energy_j + 2000.0 * plan.run.time_s <= cost_j * (1.0 + 1e-4));
 }
 
 #[test]
 fn a_light_at_a_stop_does_not_count_the_stand_twice() {
     let free = plan_of(with_a_stop(), Envelope::default(), Demand::Price(2000.0));
-    let green_s = free.arrival_s[6] + 23.0;
+    let green_s = free.run.arrival_s[6] + 23.0;
     let mut columns = with_a_stop();
     columns.signals = vec![Signal {
         node: 6,
         green_s: vec![[green_s, 1000.0]],
     }];
     // With the stand counted twice the arrival would be 20 s later.
-    let latest_s = free.time_s + 4.0;
+    let latest_s = free.run.time_s + 4.0;
     let plan = plan_of(columns, Envelope::default(), Demand::Arrival(latest_s));
-    assert!(plan.time_s <= latest_s + 1e-6);
+    assert!(plan.run.time_s <= latest_s + 1e-6);
 }
 
 #[test]
@@ -126,10 +126,10 @@ fn a_light_at_the_end_is_reached_at_green() {
         let mut columns = with_a_stop();
         columns.signals = vec![Signal {
             node: 12,
-            green_s: vec![[free.time_s + offset_s, 1000.0]],
+            green_s: vec![[free.run.time_s + offset_s, 1000.0]],
         }];
         let plan = plan_of(columns, Envelope::default(), Demand::Price(2000.0));
-        assert!(plan.lower_bound_j <= plan.energy_j + 1e-9 * plan.energy_scale_j());
+        assert!(plan.lower_bound_j <= plan.run.energy_j + 1e-9 * plan.run.energy_scale_j());
     }
 }
 
@@ -154,5 +154,5 @@ fn who_may_stand_at_one_light_is_not_too_early_for_the_next() {
     ];
     // After a stand at the second it could not be as fast as it has to be at the end.
     let plan = plan_of(columns, Envelope::default(), Demand::Arrival(300.0));
-    assert!(plan.stood_s[1] > 50.0, "{:?}", plan.stood_s);
+    assert!(plan.run.stood_s[1] > 50.0, "{:?}", plan.run.stood_s);
 }

@@ -169,8 +169,8 @@ proptest! {
             return Ok(());
         };
         if let Some((node, from, long)) = small.light {
-            let from_s = from * fastest.arrival_s[node];
-            columns.signals = vec![Signal { node, green_s: vec![[from_s, from_s + long * fastest.time_s]] }];
+            let from_s = from * fastest.run.arrival_s[node];
+            columns.signals = vec![Signal { node, green_s: vec![[from_s, from_s + long * fastest.run.time_s]] }];
         }
         let problem = Problem::new(StepModel::new(&car), Envelope::default(), columns).unwrap();
         let latest_s = small.slack * fastest.earliest_arrival_s + 1e-3;
@@ -179,9 +179,9 @@ proptest! {
         match plan(&problem, Demand::Arrival(latest_s), &Settings::default()).unwrap() {
             Answer::Plan(found) => {
                 assert_drivable(&problem, &found);
-                prop_assert!(found.lower_bound_j <= brute_j + 1e-9 * found.energy_scale_j(),
+                prop_assert!(found.lower_bound_j <= brute_j + 1e-9 * found.run.energy_scale_j(),
                     "bound {} above {brute_j}", found.lower_bound_j);
-                prop_assert!(found.lower_bound_j <= found.energy_j + 1e-9 * found.energy_scale_j());
+                prop_assert!(found.lower_bound_j <= found.run.energy_j + 1e-9 * found.run.energy_scale_j());
             }
             Answer::Obstacle(obstacle) => prop_assert!(brute_j.is_infinite(), "{obstacle:?}, but {brute_j} J"),
         }

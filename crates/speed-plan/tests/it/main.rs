@@ -43,29 +43,29 @@ fn assert_drivable(problem: &Problem, plan: &Plan) {
     let mut time_s = 0.0;
     let mut energy_j = 0.0;
     for k in 0..problem.nodes() {
-        let v = plan.speed_mps[k];
+        let v = plan.run.speed_mps[k];
         assert!(
             v <= columns.max_mps[k] * (1.0 + 1e-9) + 1e-9,
             "limit at node {k}: {v}"
         );
         assert!(
-            (plan.arrival_s[k] - time_s).abs() < 1e-6 * (1.0 + time_s),
+            (plan.run.arrival_s[k] - time_s).abs() < 1e-6 * (1.0 + time_s),
             "time at node {k}"
         );
         assert!(
-            plan.stood_s[k] == 0.0 || v == 0.0,
+            plan.run.stood_s[k] == 0.0 || v == 0.0,
             "stands at {v} m/s at node {k}"
         );
-        time_s += plan.stood_s[k];
-        energy_j += if plan.stood_s[k] > 0.0 {
-            problem.standing_power_w(k) * plan.stood_s[k]
+        time_s += plan.run.stood_s[k];
+        energy_j += if plan.run.stood_s[k] > 0.0 {
+            problem.standing_power_w(k) * plan.run.stood_s[k]
         } else {
             0.0
         };
         if k + 1 == problem.nodes() {
             break;
         }
-        let next = plan.speed_mps[k + 1];
+        let next = plan.run.speed_mps[k + 1];
         let length_m = columns.position_m[k + 1] - columns.position_m[k];
         let accel = (next * next - v * v) / (2.0 * length_m);
         let allowed = allowed(problem, 0.5 * (v + next));
@@ -74,12 +74,12 @@ fn assert_drivable(problem: &Problem, plan: &Plan) {
             "step {k}: {accel} m/s²"
         );
         time_s += 2.0 * length_m / (v + next);
-        energy_j += plan.step_energy_j[k];
+        energy_j += plan.run.step_energy_j[k];
     }
-    assert!((plan.energy_j - energy_j).abs() < 1e-6 * plan.energy_scale_j());
-    assert!((plan.time_s - time_s).abs() < 1e-6);
+    assert!((plan.run.energy_j - energy_j).abs() < 1e-6 * plan.run.energy_scale_j());
+    assert!((plan.run.time_s - time_s).abs() < 1e-6);
     for signal in &columns.signals {
-        let leaves_s = plan.arrival_s[signal.node] + plan.stood_s[signal.node];
+        let leaves_s = plan.run.arrival_s[signal.node] + plan.run.stood_s[signal.node];
         let green =
             |window: &[f64; 2]| window[0] - 1e-5 <= leaves_s && leaves_s <= window[1] + 1e-5;
         assert!(
@@ -90,7 +90,7 @@ fn assert_drivable(problem: &Problem, plan: &Plan) {
     }
     for (k, earliest_s) in columns.earliest_s.iter().enumerate() {
         assert!(
-            plan.arrival_s[k] >= earliest_s - 1e-5,
+            plan.run.arrival_s[k] >= earliest_s - 1e-5,
             "behind the leader at node {k}"
         );
     }

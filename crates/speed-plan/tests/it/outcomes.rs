@@ -26,7 +26,7 @@ fn problem<'a>(car: &'a ev_energy::Vehicle, road: &Road) -> Problem<'a> {
 fn obstacle(road: &Road, demand: Demand) -> Obstacle {
     match answer(road, demand) {
         Answer::Obstacle(obstacle) => obstacle,
-        Answer::Plan(plan) => panic!("{} J in {} s", plan.energy_j, plan.time_s),
+        Answer::Plan(plan) => panic!("{} J in {} s", plan.run.energy_j, plan.run.time_s),
     }
 }
 
@@ -40,13 +40,17 @@ fn an_arrival_is_met_and_later_ones_cost_less() {
         let plan = planned(&problem, Demand::Arrival(latest_s));
         assert_drivable(&problem, &plan);
         assert_eq!(plan.arrival, Arrival::AsAsked);
-        assert!((plan.time_s - latest_s).abs() < 1e-6, "{}", plan.time_s);
-        assert!(plan.energy_j < before_j && plan.price_w > 0.0);
-        before_j = plan.energy_j;
+        assert!(
+            (plan.run.time_s - latest_s).abs() < 1e-6,
+            "{}",
+            plan.run.time_s
+        );
+        assert!(plan.run.energy_j < before_j && plan.price_w > 0.0);
+        before_j = plan.run.energy_j;
     }
     let early = planned(&problem, Demand::Arrival(1000.0));
     assert_eq!((early.arrival, early.price_w), (Arrival::Early, 0.0));
-    assert!(early.time_s < 1000.0 && early.energy_j < before_j);
+    assert!(early.run.time_s < 1000.0 && early.run.energy_j < before_j);
 }
 
 #[test]
@@ -58,14 +62,18 @@ fn a_price_is_the_slope_of_the_frontier() {
         planned(&problem, Demand::Arrival(109.5)),
         planned(&problem, Demand::Arrival(110.5)),
     );
-    let slope_w = sooner.energy_j - later.energy_j;
+    let slope_w = sooner.run.energy_j - later.run.energy_j;
     assert!(
         (plan.price_w - slope_w).abs() < 0.01 * slope_w,
         "{} W, {slope_w} W",
         plan.price_w
     );
     let priced = planned(&problem, Demand::Price(plan.price_w));
-    assert!((priced.time_s - 110.0).abs() < 0.05, "{}", priced.time_s);
+    assert!(
+        (priced.run.time_s - 110.0).abs() < 0.05,
+        "{}",
+        priced.run.time_s
+    );
     assert!(priced.gap_pct < 0.01);
 }
 
@@ -80,7 +88,9 @@ fn a_frontier_falls_and_bends_upwards() {
         .collect();
     assert_eq!(plans.len(), 6);
     for pair in plans.windows(2) {
-        assert!(pair[1].time_s > pair[0].time_s && pair[1].energy_j < pair[0].energy_j);
+        assert!(
+            pair[1].run.time_s > pair[0].run.time_s && pair[1].run.energy_j < pair[0].run.energy_j
+        );
         assert!(pair[1].price_w < pair[0].price_w);
     }
 }
@@ -94,11 +104,11 @@ fn a_replan_from_a_plan_is_that_plan() {
         &problem,
         Demand::Price(3000.0),
         &Settings::default(),
-        &first.speed_mps,
+        &first.run.speed_mps,
     )
     .unwrap();
     let second = answer.plan().unwrap();
-    assert!((second.energy_j - first.energy_j).abs() < 1e-5 * first.energy_j);
+    assert!((second.run.energy_j - first.run.energy_j).abs() < 1e-5 * first.run.energy_j);
     let short = replan(
         &problem,
         Demand::Price(3000.0),

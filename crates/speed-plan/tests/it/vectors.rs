@@ -58,15 +58,15 @@ fn every_reference_plan_is_met() {
                 let (energy_j, bound_j) = (expect.energy_j.unwrap(), expect.lower_bound_j.unwrap());
                 let tolerance_j = expect.tolerance.energy_relative * energy_j.abs();
                 assert!(
-                    within(plan.energy_j, energy_j, tolerance_j),
+                    within(plan.run.energy_j, energy_j, tolerance_j),
                     "{name}: {}",
-                    plan.energy_j
+                    plan.run.energy_j
                 );
                 let below_j = expect.tolerance.bound_relative * energy_j.abs();
                 assert!(
-                    plan.energy_j >= bound_j - below_j,
+                    plan.run.energy_j >= bound_j - below_j,
                     "{name}: {}",
-                    plan.energy_j
+                    plan.run.energy_j
                 );
                 // A bound is a bound on their plan too.
                 assert!(
@@ -78,9 +78,9 @@ fn every_reference_plan_is_met() {
                 if outcome == "optimal" {
                     let time_s = expect.time_s.unwrap();
                     assert!(
-                        within(plan.time_s, time_s, expect.tolerance.time_s),
+                        within(plan.run.time_s, time_s, expect.tolerance.time_s),
                         "{name}: {}",
-                        plan.time_s
+                        plan.run.time_s
                     );
                 }
                 if let Some(earliest_s) = expect.earliest_arrival_s {
