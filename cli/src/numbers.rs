@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use assistance::Style;
+
 type Parsed<T> = Result<T, String>;
 
 /// A number of a quantity within a range.
@@ -171,6 +173,19 @@ pub(crate) fn temperature_degc(text: &str) -> Parsed<f64> {
 /// Between a plan and its bound.
 pub(crate) fn gap_pct(text: &str) -> Parsed<f64> {
     number(text, "a gap in %", 1e-5..=100.0)
+}
+
+/// How closely a plan keeps to the driver's own way.
+pub(crate) fn style(text: &str) -> Parsed<Style> {
+    if text == "free" {
+        return Ok(Style::Free);
+    }
+    let half_widths = number(
+        text,
+        "half-widths of the driver's band, or free",
+        0.0..=100.0,
+    );
+    half_widths.map(Style::Within)
 }
 
 /// Points of energy over time.

@@ -2,6 +2,7 @@ use ev_energy::{Budget, Error, JOULES_PER_KWH};
 use serde::Serialize;
 use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof, Run};
 
+use crate::own::{Style, StyleDistance};
 use crate::sampled::SampledPlan;
 
 /// What came of a plan.
@@ -29,6 +30,11 @@ pub enum Bound {
 pub struct PlanDocument {
     /// What came of it.
     pub outcome: PlanOutcome,
+    /// How closely it keeps to a driver's own way; `None` without a driver.
+    pub style: Option<Style>,
+    /// How far it is from the driver's own way; `None` without a driver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub style_distance: Option<StyleDistance>,
     /// Latest arrival that was asked for, s; `None` at a price of time.
     pub latest_arrival_s: Option<f64>,
     /// Earliest arrival within limits and accelerations, s.
@@ -123,6 +129,8 @@ impl PlanDocument {
                 Arrival::AsAsked => PlanOutcome::Optimal,
                 Arrival::Early => PlanOutcome::Early,
             },
+            style: None,
+            style_distance: None,
             latest_arrival_s: match demand {
                 Demand::Arrival(latest_s) => Some(latest_s),
                 Demand::Price(_) => None,

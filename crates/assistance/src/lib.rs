@@ -3,6 +3,8 @@
 //! [`planned_road`] takes a road file to the planner. [`PlanDocument`] is one plan as `drivekit/plan/1` gives it, [`SampledPlan`] its motion at an even rate, as a log would record it.
 
 mod document;
+mod error;
+mod own;
 mod road;
 mod sampled;
 
@@ -10,5 +12,7 @@ pub use document::{
     Bound, FrontierPoint, Nodes, ObstacleDocument, PlanDocument, PlanOutcome, RoadDocument,
     RunDocument, SignalPassage,
 };
+pub use error::Error;
+pub use own::{Band, OwnWay, Style, StyleDistance};
 pub use road::{RoadSettings, planned_road};
 pub use sampled::SampledPlan;

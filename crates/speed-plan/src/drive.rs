@@ -1,4 +1,6 @@
+use crate::outcome::Obstacle;
 use crate::problem::{Problem, mean_speed};
+use crate::reachable::Reachable;
 
 /// A motion over the nodes of a road.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +20,22 @@ pub struct Run {
 }
 
 impl Run {
+    /// The fastest motion within limits and accelerations, signals and leader aside.
+    ///
+    /// # Errors
+    /// The obstacle where there is none.
+    pub fn fastest(problem: &Problem) -> Result<Self, Obstacle> {
+        let reachable = Reachable::new(problem)?;
+        Ok(Drive::new(problem, reachable.high, &[]).into())
+    }
+
+    /// The same motion that also stands at some nodes, each with its time in s. Where it moves there, standing makes no motion.
+    #[must_use]
+    pub fn with_stands(&self, problem: &Problem, stands: &[(usize, f64)]) -> Self {
+        let z = self.speed_mps.iter().map(|v| v * v).collect();
+        Drive::new(problem, z, stands).into()
+    }
+
     /// What percentages of the energy refer to, J: it may be near 0 downhill.
     #[must_use]
     pub fn energy_scale_j(&self) -> f64 {

@@ -1,3 +1,4 @@
+mod own;
 mod source;
 mod text;
 
@@ -5,9 +6,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::bail;
-use assistance::{FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, SampledPlan};
+use assistance::{
+    FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, RunDocument, SampledPlan, Style,
+};
 use clap::{ArgGroup, Args};
 use ev_energy::{StepModel, Weather};
+use own::Tasks;
 use serde::Serialize;
 use source::{Source, SourceInputs};
 use speed_plan::{Answer, Demand, HURRY_W, Problem, Settings, frontier, plan};
@@ -34,7 +38,8 @@ Examples:
   drivekit plan road.toml --frontier 8                            energy against time
   drivekit plan road.toml --signals lights.json -o plan.csv       as a log that `drivekit energy` reads
   drivekit plan drive.csv                                         the road of a drive, in its time
-  drivekit plan --case case.json                                  a problem on a grid of its own"
+  drivekit plan --case case.json                                  a problem on a grid of its own
+  drivekit plan road.toml --driver trips.json --style 1,free      in the driver's own time, inside his band and outside of it"
 )]
 pub(crate) struct PlanArgs {
     /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road
@@ -62,7 +67,14 @@ pub(crate) struct PlanArgs {
     /// Plans from the fastest to the cheapest, this many
     #[arg(long, value_name = "N", value_parser = numbers::frontier)]
     frontier: Option<usize>,
-    /// Strongest braking and acceleration, in m/s² [default: -2,1.5]
+    /// Trip driver whose own way the plan is beside of, and whose time it takes if no other is given: a model file of `drivekit fit --model
+    /// trip-driver`
+    #[arg(long, value_name = "MODEL.json")]
+    driver: Option<PathBuf>,
+    /// How closely to keep to the driver: half-widths of the band around his own speed, or free; several make several plans [default: 1]
+    #[arg(long, value_name = "1|free", value_delimiter = ',', value_parser = numbers::style)]
+    style: Option<Vec<Style>>,
+    /// Strongest braking and acceleration, in m/s² [default: -2,1.5; with --driver the driver's own]
     #[arg(long, value_name = "MIN,MAX", value_parser = numbers::accels_mps2, allow_hyphen_values = true)]
     accel: Option<[f64; 2]>,
     /// Slowest speed where the car does not stand, in km/h [default: 1.8]
@@ -100,6 +112,9 @@ struct Body {
     /// What was assumed, changed or left out.
     findings: Vec<String>,
     plans: Vec<PlanDocument>,
+    /// The driver's own way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    own: Option<RunDocument>,
     /// Where nothing can be driven.
     #[serde(skip_serializing_if = "Option::is_none")]
     obstacle: Option<ObstacleDocument>,
@@ -129,7 +144,12 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
         max_gap_pct: args.max_gap,
         ..Settings::default()
     };
-    let body = planned(args, &problem, &source, &settings, context)?;
+    let road = RoadDocument::new(&problem);
+    let tasks = Tasks::of(args, &source, problem)?;
+    for finding in &tasks.findings {
+        output::note(context, finding);
+    }
+    let body = planned(args, &tasks, road, &source, &settings, context)?;
     let outcome = if body.obstacle.is_some() {
         Outcome::Negative
     } else {
@@ -150,35 +170,75 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
 
 fn planned(
     args: &PlanArgs,
-    problem: &Problem,
+    tasks: &Tasks,
+    road: RoadDocument,
     source: &Source,
     settings: &Settings,
     context: &Context,
 ) -> anyhow::Result<Body> {
     let mut body = Body {
-        vehicle: problem.model().vehicle().spec().name.clone(),
-        road: RoadDocument::new(problem),
-        findings: source.findings.clone(),
+        vehicle: source.vehicle.spec().name.clone(),
+        road,
+        findings: [source.findings.as_slice(), &tasks.findings].concat(),
         plans: Vec::new(),
+        own: None,
         obstacle: None,
         frontier: Vec::new(),
     };
-    if let Some(points) = args.frontier {
-        for answer in frontier(problem, points, settings)? {
-            match &answer {
-                Answer::Plan(plan) => body.frontier.push(FrontierPoint::new(plan)),
-                Answer::Obstacle(obstacle) => {
-                    body.obstacle = Some(ObstacleDocument::new(problem, obstacle));
-                }
+    if args.styles() > 1 && (args.output.is_some() || args.frontier.is_some()) {
+        bail!("--output and --frontier are of one plan; give one --style");
+    }
+    for (style, problem) in &tasks.styled {
+        if let (Some(own), None) = (&tasks.own, &body.own) {
+            body.own = Some(RunDocument::new(problem, &own.run)?);
+        }
+        match args.frontier {
+            Some(points) => add_frontier(&mut body, problem, points, settings)?,
+            None => add_plan(
+                args,
+                &mut body,
+                tasks,
+                (*style, problem),
+                source,
+                settings,
+                context,
+            )?,
+        }
+    }
+    Ok(body)
+}
+
+fn add_frontier(
+    body: &mut Body,
+    problem: &Problem,
+    points: usize,
+    settings: &Settings,
+) -> anyhow::Result<()> {
+    for answer in frontier(problem, points, settings)? {
+        match &answer {
+            Answer::Plan(plan) => body.frontier.push(FrontierPoint::new(plan)),
+            Answer::Obstacle(obstacle) => {
+                body.obstacle = Some(ObstacleDocument::new(problem, obstacle));
             }
         }
-        return Ok(body);
     }
+    Ok(())
+}
+
+fn add_plan(
+    args: &PlanArgs,
+    body: &mut Body,
+    tasks: &Tasks,
+    (style, problem): (Option<Style>, &Problem),
+    source: &Source,
+    settings: &Settings,
+    context: &Context,
+) -> anyhow::Result<()> {
     let demand = match (args.arrive, args.price) {
         (Some(latest_s), _) => Demand::Arrival(latest_s),
         (None, Some(price_w)) => Demand::Price(price_w),
-        (None, None) => match source.arrival_s {
-            Some(latest_s) => Demand::Arrival(latest_s),
+        (None, None) => match tasks.demand.or(source.arrival_s.map(Demand::Arrival)) {
+            Some(demand) => demand,
             None if args.case.is_some() => Demand::Price(0.0),
             None => unhurried(problem, settings)?,
         },
@@ -188,8 +248,13 @@ fn planned(
     let solve_ms = (!context.no_times).then(|| 1e3 * started.elapsed().as_secs_f64());
     match &answer {
         Answer::Plan(plan) => {
-            body.plans
-                .push(PlanDocument::new(problem, plan, demand, solve_ms)?);
+            let mut document = PlanDocument::new(problem, plan, demand, solve_ms)?;
+            document.style = style;
+            document.style_distance = tasks
+                .own
+                .as_ref()
+                .map(|own| own.distance(problem, &plan.run));
+            body.plans.push(document);
             if let Some(path) = &args.output {
                 let log = SampledPlan::new(problem, &plan.run).csv();
                 output::write_file(path, |out| Ok(out.write_all(log.as_bytes())?))?;
@@ -203,7 +268,13 @@ fn planned(
             }
         }
     }
-    Ok(body)
+    Ok(())
+}
+
+impl PlanArgs {
+    fn styles(&self) -> usize {
+        self.style.as_ref().map_or(1, Vec::len)
+    }
 }
 
 /// Nobody said when: 5 % over the earliest arrival, lights and leader included.

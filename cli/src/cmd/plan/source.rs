@@ -23,6 +23,8 @@ pub(super) struct Source {
     pub(super) vehicle: Vehicle,
     pub(super) envelope: Envelope,
     pub(super) columns: Columns,
+    /// The road that the columns are of; a stated problem has none.
+    pub(super) road: Option<RoadFile>,
     /// Arrival that the source has of its own, s.
     pub(super) arrival_s: Option<f64>,
     pub(super) findings: Vec<String>,
@@ -74,6 +76,7 @@ fn of_case(args: &PlanArgs, path: &Path) -> anyhow::Result<Source> {
         vehicle: case.vehicle,
         envelope: case.envelope,
         columns: case.columns,
+        road: None,
         arrival_s: case.latest_arrival_s,
         findings: Vec::new(),
         inputs: SourceInputs::Files(FileInputs::read([path.to_path_buf()])?),
@@ -150,6 +153,7 @@ fn of_road(
         vehicle: vehicle(chosen)?,
         envelope,
         columns: road.columns().with_context(|| name.to_owned())?,
+        road: Some(file),
         arrival_s,
         findings,
         inputs,

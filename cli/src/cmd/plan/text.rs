@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use assistance::{Bound, PlanDocument, PlanOutcome, RunDocument};
+use assistance::{Band, Bound, PlanDocument, PlanOutcome, RunDocument, Style};
 use ev_energy::JOULES_PER_KWH;
 use report::terminal::{Table, number};
 
@@ -25,8 +25,18 @@ pub(super) fn text(body: &Body) -> String {
     if let Some(obstacle) = &body.obstacle {
         let _ = writeln!(text, "\nno plan: {}", obstacle.words);
     }
+    if let Some(own) = &body.own {
+        let _ = writeln!(
+            text,
+            "\nthe driver's own way arrives after {:.1} s and takes {:.4} kWh from the cells",
+            own.time_s,
+            own.energy_j / JOULES_PER_KWH
+        );
+    }
     for plan in &body.plans {
-        let _ = write!(text, "\n{}\n{}", summary(plan), course(&plan.run).render());
+        let _ = write!(text, "\n{}", summary(plan));
+        text.push_str(&beside(plan, body.own.as_ref()));
+        let _ = write!(text, "\n{}", course(&plan.run).render());
     }
     if !body.frontier.is_empty() {
         let mut table = Table::new(["arrival s", "kWh", "price W", "gap %"]);
@@ -96,6 +106,41 @@ fn summary(plan: &PlanDocument) -> String {
             }
         );
     }
+    text
+}
+
+/// How a plan differs from the driver's own way.
+fn beside(plan: &PlanDocument, own: Option<&RunDocument>) -> String {
+    let (Some(own), Some(distance), Some(style)) = (own, &plan.style_distance, plan.style) else {
+        return String::new();
+    };
+    let style = match style {
+        Style::Free => "free of the driver's way".to_owned(),
+        Style::Within(half_widths) => {
+            format!("within {half_widths} half-widths of the driver's band")
+        }
+    };
+    let band = match distance.band {
+        Band::Fitted => "fitted",
+        Band::Assumed => "assumed",
+    };
+    let saved_j = own.energy_j - plan.run.energy_j;
+    let mut text = format!(
+        "{style}: {} {:.1} % beside his own way, {:+.1} s later\n",
+        if saved_j < 0.0 { "costs" } else { "saves" },
+        100.0 * saved_j.abs() / own.energy_j.abs().max(1.0),
+        plan.run.time_s - own.time_s
+    );
+    let _ = writeln!(
+        text,
+        "{:.2} m/s from his speed (root mean square), {:.0} % of the road inside his band ({band}); speeds up by {:.2} (own {:.2}), brakes by {:.2} m/s² (own {:.2}, 95 %)",
+        distance.rms_mps,
+        distance.inside_band_pct,
+        distance.accel_p95_mps2,
+        distance.own_accel_p95_mps2,
+        distance.decel_p95_mps2,
+        distance.own_decel_p95_mps2
+    );
     text
 }
 

@@ -37,14 +37,20 @@ impl TripDriver {
         for (name, value) in [("step_s", step_s), ("duration_s", duration_s)] {
             error::at_least(name, value, f64::MIN_POSITIVE, "above 0 s")?;
         }
-        let mut cap_mps = road.cap_mps().to_vec();
-        road.cap_at(&self.expected_slowdowns(road), &mut cap_mps);
-        let clock = Clock::of(road, self.plan(road, &cap_mps));
+        let clock = Clock::of(road, self.speeds_mps(road));
         let run = clock.sampled(road, step_s, duration_s)?;
         Ok(FreeRun {
             unrest_mps2: self.unrest_mps2(),
             ..run
         })
+    }
+
+    /// Speed at every node of a road; the square of it is linear in between.
+    #[must_use]
+    pub fn speeds_mps(&self, road: &Road) -> Vec<f64> {
+        let mut cap_mps = road.cap_mps().to_vec();
+        road.cap_at(&self.expected_slowdowns(road), &mut cap_mps);
+        self.plan(road, &cap_mps)
     }
 
     /// The slowdowns that are put in on a road whose slow points are not known.

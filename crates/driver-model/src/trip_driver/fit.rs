@@ -21,7 +21,8 @@ impl TripDriver {
         Self::fit_recorded(&recordings.iter().collect::<Vec<_>>())
     }
 
-    /// Learns from the logs of which it can, and says which it cannot use and why.
+    /// Learns from the logs of which it can, with the driver's [`Style`](super::Style) of trips kept back, and says which it cannot use and
+    /// why.
     ///
     /// # Errors
     /// [`Error::NothingUsable`] where there is no such log.
@@ -37,7 +38,8 @@ impl TripDriver {
             let task = "whole trips from the road";
             return Err(Error::NothingUsable { task, left_out });
         }
-        let driver = Self::fit_recorded(&recordings.iter().collect::<Vec<_>>())?;
+        let recordings: Vec<&RecordedTrip> = recordings.iter().collect();
+        let driver = Self::fit_recorded(&recordings)?.with_style_of(&recordings)?;
         Ok((driver, left_out))
     }
 
@@ -46,6 +48,10 @@ impl TripDriver {
     /// # Errors
     /// [`Error::Fit`] without a trip.
     pub fn fit_recorded(recordings: &[&RecordedTrip]) -> Result<Self, Error> {
+        Self::fit_without_unrest(recordings)?.with_unrest_of(recordings)
+    }
+
+    pub(super) fn fit_without_unrest(recordings: &[&RecordedTrip]) -> Result<Self, Error> {
         if recordings.is_empty() {
             return Err(Error::Fit {
                 model: "trip driver",
@@ -54,7 +60,6 @@ impl TripDriver {
         }
         let wanted = WantedSpeed::fit(recordings);
         let (acceleration, braking) = laws(recordings, &wanted);
-        let driver = Self::new(wanted, acceleration, braking, Slowdowns::fit(recordings))?;
-        driver.with_unrest_of(recordings)
+        Self::new(wanted, acceleration, braking, Slowdowns::fit(recordings))
     }
 }

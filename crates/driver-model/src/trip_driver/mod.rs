@@ -30,6 +30,7 @@ mod plan;
 mod property_tests;
 mod recording;
 mod slowdowns;
+mod style;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::float_cmp)]
 mod tests;
@@ -48,6 +49,7 @@ pub use habit::{HabitLine, LimitHabit, WantedSpeed};
 pub use law::{AccelerationLaw, BrakingLaw};
 pub use recording::{RecordedTrip, interpolated};
 pub use slowdowns::{LimitSlowdowns, Slowdowns};
+pub use style::{AccelAtSpeed, HalfWidth, Spread, Style};
 use unrest::UNREST_MPS2;
 pub use unrest::restless;
 
@@ -60,6 +62,8 @@ pub struct TripDriver {
     braking: BrakingLaw,
     slowdowns: Slowdowns,
     unrest_mps2: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    style: Option<Style>,
 }
 
 #[derive(Deserialize)]
@@ -71,6 +75,8 @@ struct Unchecked {
     slowdowns: Slowdowns,
     #[serde(default)]
     unrest_mps2: f64,
+    #[serde(default)]
+    style: Option<Style>,
 }
 
 impl TryFrom<Unchecked> for TripDriver {
@@ -84,8 +90,12 @@ impl TryFrom<Unchecked> for TripDriver {
             parts.braking,
             parts.slowdowns,
         )?;
+        if let Some(style) = &parts.style {
+            style.check()?;
+        }
         Ok(Self {
             unrest_mps2: parts.unrest_mps2,
+            style: parts.style,
             ..driver
         })
     }
@@ -112,6 +122,7 @@ impl TripDriver {
             braking,
             slowdowns,
             unrest_mps2: 0.0,
+            style: None,
         })
     }
 
