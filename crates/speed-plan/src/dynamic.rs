@@ -197,7 +197,7 @@ fn fitted_slope(speed_mps: &[f64], cost_j: &[f64]) -> f64 {
 }
 
 /// The range of end speeds whose acceleration is allowed.
-fn within(problem: &Problem, step: usize, v0: f64, to: &[f64]) -> (usize, usize) {
+pub(crate) fn within(problem: &Problem, step: usize, v0: f64, to: &[f64]) -> (usize, usize) {
     let twice_m = 2.0 * problem.steps[step].length_m();
     let accel = |v1: f64| (v1 - v0) * (v1 + v0) / twice_m;
     let mean = |v1: f64| 0.5 * (v0 + v1);

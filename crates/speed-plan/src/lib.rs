@@ -61,6 +61,7 @@ mod problem;
 mod reachable;
 mod road;
 mod search;
+mod timed;
 mod tridiagonal;
 
 pub use case::Case;

@@ -179,6 +179,42 @@ impl Reachable {
         Self { low, high }
     }
 
+    /// The squared speeds at nodes around a stand of the latest braking to it and of the fastest start from it, while they are below the fastest.
+    pub(crate) fn around_stand(&self, problem: &Problem, stand: usize) -> Vec<(usize, f64)> {
+        let mut speeds = Vec::new();
+        let mut here = 0.0;
+        for step in (0..stand).rev() {
+            here = beyond(
+                problem,
+                1.0,
+                step,
+                here,
+                Direction::Backward,
+                Limits::Braking,
+            );
+            if here >= self.high[step] {
+                break;
+            }
+            speeds.push((step, here));
+        }
+        here = 0.0;
+        for step in stand..problem.nodes() - 1 {
+            here = beyond(
+                problem,
+                1.0,
+                step,
+                here,
+                Direction::Forward,
+                Limits::Strongest,
+            );
+            if here >= self.high[step + 1] || here <= 0.0 {
+                break;
+            }
+            speeds.push((step + 1, here));
+        }
+        speeds
+    }
+
     pub(crate) fn is_fixed(&self, node: usize) -> bool {
         self.high[node] - self.low[node] <= 1e-9 * (1.0 + self.high[node])
     }

@@ -12,11 +12,15 @@ use crate::error::Error;
 use crate::interior_point::{InteriorPoint, Precision, Solution, Task, TimeBound};
 use crate::outcome::Obstacle;
 use crate::plan::{Answer, Arrival, Demand, Plan, Proof, Settings};
-use crate::problem::Problem;
+use crate::problem::{Problem, Signal};
 use crate::reachable::Reachable;
+use crate::timed::{Aim, Blocked, passage};
 
 /// Problems that are solved at most.
 const MOST_SOLVED: usize = 60;
+
+/// Problems that are solved before a plan past lights and leader is looked for by other means.
+const PATIENCE: usize = 10;
 
 /// Share of the accelerations at the first plan of the interior point.
 const GENTLE: f64 = 0.7;
@@ -116,6 +120,8 @@ pub(crate) struct Search<'a> {
     started: Instant,
     solved: usize,
     best: Option<Relaxed>,
+    /// Whether a plan past lights and leader was looked for, and what was found: one, or where it ends.
+    in_time: Option<Result<Drive, Blocked>>,
     /// Squared speeds of a plan that is expected to be near.
     near: Option<Vec<f64>>,
 }
@@ -137,6 +143,7 @@ impl<'a> Search<'a> {
             started: Instant::now(),
             solved: 0,
             best: None,
+            in_time: None,
             near,
         }
     }
@@ -177,6 +184,9 @@ impl<'a> Search<'a> {
         // The lowest bound of what was set aside without being looked into further.
         let mut left_j = f64::INFINITY;
         while let Some(part) = open.pop() {
+            if self.best.is_none() && self.solved >= PATIENCE {
+                self.look_in_time(&reachable);
+            }
             if self.is_good_enough(part.bound_j) || self.is_over() {
                 left_j = left_j.min(part.bound_j);
                 break;
@@ -218,6 +228,9 @@ impl<'a> Search<'a> {
             open.extend(children);
         }
         left_j = open.iter().map(|part| part.bound_j).fold(left_j, f64::min);
+        if self.best.is_none() {
+            self.look_in_time(&reachable);
+        }
         Ok(self.answer(left_j, earliest_arrival_s, &reachable))
     }
 
@@ -251,6 +264,83 @@ impl<'a> Search<'a> {
         let late = |budget_s| self.started.elapsed().as_secs_f64() > budget_s;
         self.best.is_some() && self.settings.budget_s.is_some_and(late)
             || self.solved >= MOST_SOLVED
+    }
+
+    /// A first plan by dynamic programming over time, where there are lights or a leader: its windows and stands are those of a part.
+    fn look_in_time(&mut self, whole: &Reachable) {
+        let columns = &self.problem.columns;
+        let is_free = columns.signals.is_empty() && columns.earliest_s.is_empty();
+        if is_free || self.in_time.is_some() {
+            return;
+        }
+        let found = match self.demand {
+            Demand::Arrival(latest_s) => {
+                self.passage(whole, Aim::Energy { price_w: 0.0 }, latest_s)
+            }
+            Demand::Price(price_w) => self.passage_ever(whole, Aim::Energy { price_w }),
+        };
+        if let Ok(drive) = &found {
+            let part = self.part_of(drive);
+            if let Relaxation::Solved(relaxed) = self.relax(&part)
+                && relaxed.feasible
+                && self.keeps_signals(&relaxed.drive)
+            {
+                self.best = Some(*relaxed);
+            }
+        }
+        self.in_time = Some(found);
+    }
+
+    fn passage(&self, whole: &Reachable, aim: Aim, latest_s: f64) -> Result<Drive, Blocked> {
+        let problem = self.problem;
+        let lights: Vec<usize> = problem.columns.signals.iter().map(|s| s.node).collect();
+        let outer = whole
+            .clone()
+            .outer(problem, [&problem.min_z, &problem.max_z], &lights);
+        let passage = passage(problem, &outer, aim, latest_s)?;
+        Ok(Drive::new(problem, passage.z, &passage.waits))
+    }
+
+    /// The same at whatever time, up to when the last light has turned green and the leader is gone.
+    fn passage_ever(&self, whole: &Reachable, aim: Aim) -> Result<Drive, Blocked> {
+        let columns = &self.problem.columns;
+        let fastest_s = passing_s(self.problem, &whole.high);
+        let alone_s = 2.0 * fastest_s.last().copied().unwrap_or(0.0) + 300.0;
+        let greens = columns.signals.iter().filter_map(|s| s.green_s.last());
+        let last_s = greens
+            .map(|window| window[0])
+            .chain(columns.earliest_s.iter().copied())
+            .fold(0.0, f64::max);
+        let mut latest_s = alone_s;
+        loop {
+            match self.passage(whole, aim, latest_s) {
+                Err(_) if latest_s < alone_s + last_s => latest_s *= 4.0,
+                found => return found,
+            }
+        }
+    }
+
+    /// The part that takes the windows of a drive, and stands where it does.
+    fn part_of(&self, drive: &Drive) -> Part {
+        let visit = |signal: &Signal| {
+            let leaving_s = drive.leaving_s(signal.node);
+            let holds =
+                |window: &&[f64; 2]| window[0] - 1e-6 <= leaving_s && leaving_s <= window[1] + 1e-6;
+            let window = signal.green_s.iter().find(holds);
+            let [earliest_s, latest_s] = window
+                .copied()
+                .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            Visit {
+                stands: Some(drive.z[signal.node] <= 0.0),
+                earliest_s,
+                latest_s,
+            }
+        };
+        Part {
+            visits: self.problem.columns.signals.iter().map(visit).collect(),
+            cuts: Vec::new(),
+            bound_j: f64::NEG_INFINITY,
+        }
     }
 
     fn keeps_signals(&self, drive: &Drive) -> bool {
@@ -512,7 +602,13 @@ impl<'a> Search<'a> {
 
     fn answer(mut self, left_j: f64, earliest_arrival_s: f64, whole: &Reachable) -> Answer {
         let Some(best) = self.best.take() else {
-            return Answer::Obstacle(self.obstacle(whole));
+            return match self.in_time.take() {
+                Some(Ok(drive)) => {
+                    let plan = self.unpolished(drive, left_j, earliest_arrival_s);
+                    Answer::Plan(Box::new(plan))
+                }
+                _ => Answer::Obstacle(self.obstacle(whole)),
+            };
         };
         let price_w = match self.demand {
             Demand::Price(price_w) => price_w,
@@ -548,6 +644,26 @@ impl<'a> Search<'a> {
             solved: self.solved,
             run: drive.into(),
         }))
+    }
+
+    /// A plan of the dynamic program that no interior point made better, whose price of time is known only where it was given.
+    fn unpolished(&self, drive: Drive, left_j: f64, earliest_arrival_s: f64) -> Plan {
+        let price_w = match self.demand {
+            Demand::Price(price_w) => price_w,
+            Demand::Arrival(_) => 0.0,
+        };
+        let lower_bound_j = left_j - price_w * drive.time_s();
+        Plan {
+            arrival: Arrival::AsAsked,
+            earliest_arrival_s,
+            price_w,
+            step_price_w: vec![price_w; self.problem.steps.len()],
+            lower_bound_j,
+            gap_pct: 100.0 * (drive.energy_j - lower_bound_j) / drive.scale_j(),
+            proof: Proof::Proven,
+            solved: self.solved,
+            run: drive.into(),
+        }
     }
 
     /// The plan, moved by a hair towards the fastest or the slowest until it arrives when it was asked to.
@@ -645,8 +761,26 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Obstacle::TooLate {
-            earliest_arrival_s: earliest_s + arrival_s - leaving_s(before),
+        match self.passage_ever(whole, Aim::Time) {
+            Ok(drive) => Obstacle::TooLate {
+                earliest_arrival_s: drive.time_s(),
+            },
+            Err(blocked) => self.red_for_ever(blocked),
+        }
+    }
+
+    fn red_for_ever(&self, blocked: Blocked) -> Obstacle {
+        let signals = &self.problem.columns.signals;
+        let last = signals.iter().rfind(|signal| signal.node < blocked.node);
+        match last {
+            Some(signal) => Obstacle::SignalsUnreachable {
+                node: signal.node,
+                earliest_s: blocked.earliest_s,
+                latest_s: signal.green_s.last().map_or(0.0, |window| window[1]),
+            },
+            None => Obstacle::LeaderBlocks {
+                earliest_arrival_s: blocked.earliest_s,
+            },
         }
     }
 }
