@@ -188,6 +188,11 @@ pub(crate) fn style(text: &str) -> Parsed<Style> {
     half_widths.map(Style::Within)
 }
 
+/// Time for the search of a plan.
+pub(crate) fn budget_s(text: &str) -> Parsed<f64> {
+    number(text, "a time in s", 1e-3..=1e6)
+}
+
 /// Points of energy over time.
 pub(crate) fn frontier(text: &str) -> Parsed<usize> {
     count(text, "plans", 2..=1_000)

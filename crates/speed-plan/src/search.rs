@@ -17,7 +17,7 @@ use crate::reachable::Reachable;
 use crate::timed::{Aim, Blocked, passage};
 
 /// Problems that are solved at most.
-const MOST_SOLVED: usize = 60;
+const MOST_SOLVED: usize = 400;
 
 /// Problems that are solved before a plan past lights and leader is looked for by other means.
 const PATIENCE: usize = 10;
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
         // The lowest bound of what was set aside without being looked into further.
         let mut left_j = f64::INFINITY;
         while let Some(part) = open.pop() {
-            if self.best.is_none() && self.solved >= PATIENCE {
+            if self.best.is_none() && (self.solved >= PATIENCE || self.is_late()) {
                 self.look_in_time(&reachable);
             }
             if self.is_good_enough(part.bound_j) || self.is_over() {
@@ -260,10 +260,14 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn is_over(&self) -> bool {
+    fn is_late(&self) -> bool {
         let late = |budget_s| self.started.elapsed().as_secs_f64() > budget_s;
-        self.best.is_some() && self.settings.budget_s.is_some_and(late)
-            || self.solved >= MOST_SOLVED
+        self.settings.budget_s.is_some_and(late)
+    }
+
+    fn is_over(&self) -> bool {
+        let has_looked = self.best.is_some() || self.in_time.is_some();
+        has_looked && self.is_late() || self.solved >= MOST_SOLVED
     }
 
     /// A first plan by dynamic programming over time, where there are lights or a leader: its windows and stands are those of a part.
@@ -422,6 +426,9 @@ impl<'a> Search<'a> {
             };
             let solution = ip.solve(self.precision);
             self.solved += 1;
+            if !solution.is_finite() {
+                return Relaxation::Failed;
+            }
             let waits: Vec<(usize, f64)> = task
                 .waits
                 .iter()
@@ -786,6 +793,16 @@ impl<'a> Search<'a> {
 }
 
 impl Solution {
+    fn is_finite(&self) -> bool {
+        let all = [
+            &self.z,
+            &self.waits_s,
+            &self.multipliers_w,
+            &self.step_price_w,
+        ];
+        all.into_iter().flatten().all(|value| value.is_finite())
+    }
+
     /// Multiplier of the last time bound, that of the arrival.
     fn multipliers_w_at_end(&self, task: &Task) -> f64 {
         let bounds = task.time_bounds.iter().zip(&self.multipliers_w);

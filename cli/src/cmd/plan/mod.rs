@@ -95,6 +95,9 @@ pub(crate) struct PlanArgs {
     /// Gap to the bound at which the search may end, in %
     #[arg(long, value_name = "PCT", default_value_t = 0.01, value_parser = numbers::gap_pct)]
     max_gap: f64,
+    /// Time after which the search ends with the best plan that it has, in s
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = numbers::budget_s)]
+    budget: f64,
     /// Write the plan as a log at 10 Hz
     #[arg(long, short, value_name = "FILE.csv", conflicts_with = "frontier")]
     #[serde(skip)]
@@ -142,7 +145,7 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
     let problem = Problem::new(model, source.envelope.clone(), source.columns.clone())?;
     let settings = Settings {
         max_gap_pct: args.max_gap,
-        ..Settings::default()
+        budget_s: Some(args.budget),
     };
     let road = RoadDocument::new(&problem);
     let tasks = Tasks::of(args, &source, problem)?;
@@ -245,6 +248,11 @@ fn add_plan(
     };
     let started = Instant::now();
     let answer = plan(problem, demand, settings)?;
+    if started.elapsed().as_secs_f64() > args.budget {
+        let words = "the search ended with its time, see --budget: the gap says what is left open";
+        body.findings.push(words.to_owned());
+        output::note(context, words);
+    }
     let solve_ms = (!context.no_times).then(|| 1e3 * started.elapsed().as_secs_f64());
     match &answer {
         Answer::Plan(plan) => {

@@ -258,6 +258,9 @@ impl<'a> InteriorPoint<'a> {
             iterations += 1;
             self.evaluate_derivatives();
             let step = newton.direction(&self);
+            if !step.decrement_j.is_finite() {
+                break;
+            }
             let taken = self.advance(&step);
             let target_j = precision.barrier_j;
             let late = self.lateness();
@@ -429,9 +432,11 @@ impl<'a> InteriorPoint<'a> {
         let next = |slack: f64, change: f64, multiplier: f64, now: f64| {
             let full = (mu - multiplier * change) / slack;
             let moved = multiplier + share.max(0.1) * (full - multiplier);
+            // Not `clamp`: rounding may leave no slack.
             moved
                 .max(0.005 * multiplier)
-                .clamp(mu / (1e4 * now), 1e4 * mu / now)
+                .max(mu / (1e4 * now))
+                .min(1e4 * mu / now)
         };
         for (k, z) in z.iter().enumerate().filter(|(k, _)| !self.fixed[*k]) {
             let [low, high] = self.speed_multiplier[k];
