@@ -1,4 +1,4 @@
-use ev_energy::{Budget, Error, JOULES_PER_KWH};
+use ev_energy::{Budget, Error, JOULES_PER_KWH, OperatingPoint, RoadStep};
 use serde::Serialize;
 use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof};
 
@@ -15,10 +15,11 @@ pub enum PlanOutcome {
 }
 
 /// How far the bound can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// Proven, but for rounding.
+    #[default]
     Proven,
     /// Its minima were searched numerically.
     Numerical,
@@ -80,6 +81,40 @@ pub struct SignalPassage {
     pub window_s: Option<[f64; 2]>,
     /// How long the car stood there, s.
     pub stood_s: f64,
+    /// Green windows of the trip's time, s.
+    pub green_s: Vec<[f64; 2]>,
+}
+
+/// What a car does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// The motor drives.
+    Drives,
+    /// Nothing pushes or holds.
+    Coasts,
+    /// The motor brakes.
+    Regenerates,
+    /// Friction brakes help.
+    BrakesByFriction,
+}
+
+impl Effort {
+    /// Forces that would change the speed by less are none, m/s².
+    const NONE_MPS2: f64 = 0.02;
+
+    pub(crate) fn of(point: &OperatingPoint, mass_kg: f64) -> Self {
+        let none_n = Self::NONE_MPS2 * mass_kg;
+        if point.friction_brake_n.abs() > none_n {
+            Self::BrakesByFriction
+        } else if point.wheel_force_n.abs() < none_n {
+            Self::Coasts
+        } else if point.wheel_force_n > 0.0 {
+            Self::Drives
+        } else {
+            Self::Regenerates
+        }
+    }
 }
 
 /// A plan by columns.
@@ -97,6 +132,10 @@ pub struct Nodes {
     pub slope_rad: Vec<f64>,
     /// Force at the wheels in every step, N.
     pub force_n: Vec<f64>,
+    /// What the car does in every step.
+    pub effort: Vec<Effort>,
+    /// Energy from the cells in every step, J; standing is in none.
+    pub energy_j: Vec<f64>,
 }
 
 impl PlanDocument {
@@ -122,9 +161,12 @@ impl PlanDocument {
         let sampled = SampledPlan::new(problem, plan);
         let [jerk_p95_mps3, jerk_max_mps3] = sampled.jerk_mps3();
         let ends = problem.steps().iter().zip(plan.speed_mps.windows(2));
-        let force_n = ends
-            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]).wheel_force_n)
+        let points: Vec<OperatingPoint> = ends
+            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]))
             .collect();
+        let energy_of = |(step, point): (&RoadStep, &OperatingPoint)| {
+            point.battery_power_w * step.length_m() / point.speed_mps
+        };
         let kinetic_j =
             |v: Option<&f64>| 0.5 * model.vehicle().effective_mass_kg() * v.map_or(0.0, |v| v * v);
         let speeds = &plan.speed_mps;
@@ -165,7 +207,12 @@ impl PlanDocument {
                 arrival_s: plan.arrival_s.clone(),
                 limit_mps: columns.max_mps.clone(),
                 slope_rad: columns.slope_rad.clone(),
-                force_n,
+                force_n: points.iter().map(|point| point.wheel_force_n).collect(),
+                effort: points
+                    .iter()
+                    .map(|point| Effort::of(point, model.vehicle().effective_mass_kg()))
+                    .collect(),
+                energy_j: problem.steps().iter().zip(&points).map(energy_of).collect(),
             },
         })
     }
@@ -182,6 +229,12 @@ fn passages(problem: &Problem, plan: &Plan) -> Vec<SignalPassage> {
             passage_s,
             window_s: signal.green_s.iter().find(holds).copied(),
             stood_s: plan.stood_s[signal.node],
+            green_s: signal
+                .green_s
+                .iter()
+                .filter(|window| window[1] > 0.0 && window[0] < plan.time_s)
+                .copied()
+                .collect(),
         }
     };
     columns.signals.iter().map(passage).collect()

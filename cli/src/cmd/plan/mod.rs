@@ -1,3 +1,4 @@
+mod potential;
 mod source;
 mod text;
 
@@ -7,7 +8,7 @@ use std::time::Instant;
 use anyhow::bail;
 use assistance::{FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, SampledPlan};
 use clap::{ArgGroup, Args};
-use ev_energy::{StepModel, Weather};
+use ev_energy::{StepModel, Vehicle, Weather};
 use serde::Serialize;
 use source::{Source, SourceInputs};
 use speed_plan::{Answer, Demand, HURRY_W, Problem, Settings, frontier, plan};
@@ -34,13 +35,17 @@ Examples:
   drivekit plan road.toml --frontier 8                            energy against time
   drivekit plan road.toml --signals lights.json -o plan.csv       as a log that `drivekit energy` reads
   drivekit plan drive.csv                                         the road of a drive, in its time
-  drivekit plan --case case.json                                  a problem on a grid of its own"
+  drivekit plan --case case.json                                  a problem on a grid of its own
+  drivekit plan logs/ --potential --vehicle bmw-i3-60ah           what recorded trips could have cost"
 )]
 pub(crate) struct PlanArgs {
-    /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road
+    /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road; with --potential logs: files, folders or globs
     #[arg(value_name = "ROAD|LOG")]
     #[serde(skip)]
-    road: Option<PathBuf>,
+    road: Vec<PathBuf>,
+    /// What recorded trips could have cost: each with its own stops and arrival, no faster than driven near by
+    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output"])]
+    potential: bool,
     /// Layout of the log: auto, the name of a built-in one, or a TOML file
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
     layout: String,
@@ -108,22 +113,16 @@ struct Body {
 }
 
 pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome> {
+    if args.potential {
+        return potential::run(args, context);
+    }
     args.require
         .check(&KnownFigures::new(include_str!("../../figures/plan.txt")))?;
     let source = Source::read(args, context)?;
     for finding in &source.findings {
         output::note(context, finding);
     }
-    let mut model = StepModel::new(&source.vehicle);
-    if let Some(temperature_degc) = args.temperature {
-        model = model.in_weather(&Weather {
-            temperature_degc,
-            elevation_m: 0.0,
-        })?;
-    }
-    if let Some(power_w) = args.aux_power {
-        model = model.with_auxiliary_power(power_w)?;
-    }
+    let model = model(args, &source.vehicle)?;
     let problem = Problem::new(model, source.envelope.clone(), source.columns.clone())?;
     let settings = Settings {
         max_gap_pct: args.max_gap,
@@ -146,6 +145,21 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
         Format::Text => output::print_text(&text::text(&document.body))?,
     }
     Ok(outcome.and(judged))
+}
+
+/// The car with the auxiliaries and in the weather that are asked for.
+fn model<'a>(args: &PlanArgs, vehicle: &'a Vehicle) -> anyhow::Result<StepModel<'a>> {
+    let mut model = StepModel::new(vehicle);
+    if let Some(temperature_degc) = args.temperature {
+        model = model.in_weather(&Weather {
+            temperature_degc,
+            elevation_m: 0.0,
+        })?;
+    }
+    if let Some(power_w) = args.aux_power {
+        model = model.with_auxiliary_power(power_w)?;
+    }
+    Ok(model)
 }
 
 fn planned(

@@ -50,6 +50,7 @@ pub use recording::{RecordedTrip, interpolated};
 pub use slowdowns::{LimitSlowdowns, Slowdowns};
 use unrest::UNREST_MPS2;
 pub use unrest::restless;
+pub use zigzag::{Extremum, zigzag};
 
 /// What a driver's trips have in common, learnt from recorded ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
