@@ -78,6 +78,7 @@ fn documents() -> Vec<(&'static str, Value)> {
     let road = fixture("roads/town-and-country.toml");
     add("plan", &["plan", &road, "--arrive", "300"]);
     add("plan", &["plan", &road, "--frontier", "3"]);
+    add("plan-potential", &["plan", &drives, "--potential"]);
     add("vehicle-check", &["vehicle", "check"]);
     add(
         "vehicle-point",

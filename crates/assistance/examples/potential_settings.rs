@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use assistance::{Potential, PotentialSettings, RecordedMotion, potential};
+use assistance::{Potential, PotentialSettings, RecordedMotion, potential_of_pieces};
 use drive_log::collection::{Collection, Reading};
 use drive_log::{LayoutChoice, Preparation};
 use driver_model::Motion;
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn variants() -> Vec<(String, PotentialSettings)> {
     let base = PotentialSettings::default();
     let mut variants = vec![("as they are".to_owned(), base)];
-    for window_m in [0.0, 25.0, 50.0, 200.0] {
+    for window_m in [25.0, 50.0, 200.0] {
         variants.push((
             format!("window of {window_m} m"),
             PotentialSettings { window_m, ..base },
@@ -89,11 +89,8 @@ fn variants() -> Vec<(String, PotentialSettings)> {
 fn print(words: &str, motions: &[Motion], model: &StepModel, settings: &PotentialSettings) {
     let search = Settings::default();
     let of_drive = |pieces: &[Motion]| {
-        let mut sum = Potential::default();
-        for piece in pieces {
-            sum += potential(&RecordedMotion::from(piece), model, settings, &search).ok()?;
-        }
-        Some(sum)
+        let pieces = pieces.iter().map(RecordedMotion::from);
+        potential_of_pieces(pieces, model, settings, &search).ok()
     };
     let planned: Vec<Potential> = drives(motions).filter_map(of_drive).collect();
     let mut all = Potential::default();

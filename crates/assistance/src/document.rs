@@ -126,6 +126,8 @@ pub struct Nodes {
     pub speed_mps: Vec<f64>,
     /// Arrival at every node, s.
     pub arrival_s: Vec<f64>,
+    /// Time that the car stands at every node, s.
+    pub stood_s: Vec<f64>,
     /// Limit at every node, m/s.
     pub limit_mps: Vec<f64>,
     /// Slope angle of every step, rad.
@@ -205,6 +207,7 @@ impl PlanDocument {
                 position_m: columns.position_m.clone(),
                 speed_mps: plan.speed_mps.clone(),
                 arrival_s: plan.arrival_s.clone(),
+                stood_s: plan.stood_s.clone(),
                 limit_mps: columns.max_mps.clone(),
                 slope_rad: columns.slope_rad.clone(),
                 force_n: points.iter().map(|point| point.wheel_force_n).collect(),

@@ -14,6 +14,8 @@ pub use document::{
     SignalPassage,
 };
 pub use in_words::{Difference, Saving, savings_in_words};
-pub use potential::{NotPlanned, Potential, PotentialSettings, RecordedMotion, potential};
+pub use potential::{
+    NotPlanned, Potential, PotentialSettings, RecordedMotion, potential, potential_of_pieces,
+};
 pub use road::{RoadSettings, planned_road};
 pub use sampled::SampledPlan;

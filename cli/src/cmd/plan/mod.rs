@@ -1,3 +1,4 @@
+mod picture;
 mod potential;
 mod source;
 mod text;
@@ -9,6 +10,7 @@ use anyhow::bail;
 use assistance::{FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, SampledPlan};
 use clap::{ArgGroup, Args};
 use ev_energy::{StepModel, Vehicle, Weather};
+use picture::PictureArgs;
 use serde::Serialize;
 use source::{Source, SourceInputs};
 use speed_plan::{Answer, Demand, HURRY_W, Problem, Settings, frontier, plan};
@@ -34,6 +36,7 @@ Examples:
   drivekit plan road.toml --price 3000                            when a second is worth 3 kJ
   drivekit plan road.toml --frontier 8                            energy against time
   drivekit plan road.toml --signals lights.json -o plan.csv       as a log that `drivekit energy` reads
+  drivekit plan road.toml --report plan.html                      a page with pictures
   drivekit plan drive.csv                                         the road of a drive, in its time
   drivekit plan --case case.json                                  a problem on a grid of its own
   drivekit plan logs/ --potential --vehicle bmw-i3-60ah           what recorded trips could have cost"
@@ -44,7 +47,7 @@ pub(crate) struct PlanArgs {
     #[serde(skip)]
     road: Vec<PathBuf>,
     /// What recorded trips could have cost: each with its own stops and arrival, no faster than driven near by
-    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output"])]
+    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output", "plot", "report"])]
     potential: bool,
     /// Layout of the log: auto, the name of a built-in one, or a TOML file
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
@@ -92,6 +95,9 @@ pub(crate) struct PlanArgs {
     #[arg(long, short, value_name = "FILE.csv", conflicts_with = "frontier")]
     #[serde(skip)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    pictures: PictureArgs,
     #[command(flatten)]
     #[serde(skip)]
     require: RequireArgs,
@@ -144,6 +150,7 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::text(&document.body))?,
     }
+    args.pictures.write(&document, None, context)?;
     Ok(outcome.and(judged))
 }
 

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use assistance::{Bound, NotPlanned, Potential, PotentialSettings, RecordedMotion, potential};
+use assistance::{
+    Bound, NotPlanned, Potential, PotentialSettings, RecordedMotion, potential_of_pieces,
+};
 use driver_model::Motion;
 use driver_model::motion::drives;
 use driver_model::statistics::quantile;
@@ -162,14 +164,8 @@ fn of_pieces(
     model: &StepModel,
     search: &Settings,
 ) -> Result<Potential, NotPlanned> {
-    let settings = PotentialSettings::default();
-    let of_piece =
-        |piece: &Motion| potential(&RecordedMotion::from(piece), model, &settings, search);
-    let mut sum = Potential::default();
-    for piece in pieces {
-        sum += of_piece(piece)?;
-    }
-    Ok(sum)
+    let pieces = pieces.iter().map(RecordedMotion::from);
+    potential_of_pieces(pieces, model, &PotentialSettings::default(), search)
 }
 
 impl Trip {
@@ -262,7 +258,7 @@ fn assumptions(model: &StepModel) -> Vec<String> {
         "own energy is that of the same model on the recorded motion, not the measured one".to_owned(),
         "an upper bound: what traffic, signals and bends forced on the driver counts as the driver's choice, and the plan knows the whole road beforehand".to_owned(),
         format!(
-            "same stops, dwells and arrival; lows of {prominence_mps} m/s passed no faster than recorded, elsewhere no faster than the fastest recorded within {window_m} m to either side, nor than a recorded limit where the driver kept it"
+            "same stops, dwells and arrival; lows {prominence_mps} m/s below the highs beside them passed no faster than recorded, elsewhere no faster than the fastest recorded within {window_m} m to either side, nor than a recorded limit where the driver kept it"
         ),
         format!(
             "braking to {min_mps2} m/s², acceleration to the {:.1}th percentile of each trip",

@@ -14,6 +14,9 @@ use crate::document::Bound;
 use recorded::Legs;
 pub use recorded::RecordedMotion;
 
+/// No road is shorter, m.
+const SHORTEST_M: f64 = 1.0;
+
 /// How much freedom a plan has beside the recorded motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PotentialSettings {
@@ -107,12 +110,58 @@ impl std::ops::AddAssign for Potential {
 /// Why there is no plan for a recorded trip.
 #[derive(Debug, thiserror::Error)]
 pub enum NotPlanned {
+    /// The car does not move.
+    #[error("the car does not move as far as a metre")]
+    Standing,
     /// It cannot be driven within the accelerations that are allowed.
     #[error("{0}")]
     Obstacle(Obstacle),
     /// It is no road, or the car cannot have driven it.
     #[error(transparent)]
     Problem(#[from] speed_plan::Error),
+}
+
+/// A drive in pieces, see [`potential()`]. What a piece took in which the car does not move as far as a metre is what its plan takes, too.
+///
+/// # Errors
+/// [`NotPlanned`] of the first piece that cannot be planned, and where the car moves in none.
+pub fn potential_of_pieces<'a>(
+    pieces: impl IntoIterator<Item = RecordedMotion<'a>>,
+    model: &StepModel,
+    settings: &PotentialSettings,
+    search: &Settings,
+) -> Result<Potential, NotPlanned> {
+    let mut sum = Potential::default();
+    let mut moves = false;
+    for piece in pieces {
+        let found = match potential(&piece, model, settings, search) {
+            Err(NotPlanned::Standing) => as_recorded(&piece, model)?,
+            found => {
+                moves = true;
+                found?
+            }
+        };
+        sum += found;
+    }
+    if moves {
+        Ok(sum)
+    } else {
+        Err(NotPlanned::Standing)
+    }
+}
+
+fn as_recorded(motion: &RecordedMotion, model: &StepModel) -> Result<Potential, NotPlanned> {
+    let own = own_energy(motion, model).map_err(speed_plan::Error::from)?;
+    let legs = Legs::of(motion);
+    Ok(Potential {
+        distance_m: legs.length_m(),
+        time_s: legs.duration_s(),
+        own_energy_j: own.energy_j,
+        plan_energy_j: own.energy_j,
+        lower_bound_j: own.energy_j,
+        turned_over_j: own.turned_over_j,
+        ..Potential::default()
+    })
 }
 
 /// The cheapest plan with the stops, dwells and arrival of a recorded motion: slow points are passed no faster than recorded, other
@@ -140,6 +189,9 @@ pub fn potential(
         .into());
     }
     let legs = Legs::of(motion);
+    if legs.length_m() < SHORTEST_M {
+        return Err(NotPlanned::Standing);
+    }
     let columns = road::columns(&legs, settings)?;
     let mut accels_mps2 = legs.accels_mps2();
     accels_mps2.sort_by(f64::total_cmp);

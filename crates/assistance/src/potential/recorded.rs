@@ -37,7 +37,9 @@ impl<'a> From<&'a Motion> for RecordedMotion<'a> {
 
 impl RecordedMotion<'_> {
     pub(super) fn forward_mps(&self) -> Vec<f64> {
-        self.speed_mps.iter().map(|v| v.max(0.0)).collect()
+        // What is not a number stays so, to be refused.
+        let forward = |&v: &f64| if v < 0.0 { 0.0 } else { v };
+        self.speed_mps.iter().map(forward).collect()
     }
 }
 

@@ -150,10 +150,10 @@ fn a_trip_between_moving_ends_is_planned_between_them() {
 #[test]
 fn what_cannot_be_planned_says_why() {
     for (speed_mps, part) in [
-        (vec![], "length_m"),
-        (vec![0.0; 100], "length_m"),
+        (vec![], "does not move"),
+        (vec![0.0; 100], "does not move"),
         (vec![f64::NAN; 100], "speed_mps"),
-        (vec![-3.0; 100], "length_m"),
+        (vec![-3.0; 100], "does not move"),
         (vec![10.0; 100], "acceleration"),
     ] {
         let error = of(&motion(&speed_mps)).unwrap_err().to_string();
@@ -175,4 +175,26 @@ fn trips_add_up() {
     two += one;
     assert!((two.saving_pct() - one.saving_pct()).abs() < 1e-9);
     assert!((two.distance_m - 2.0 * one.distance_m).abs() < 1e-9);
+}
+
+#[test]
+fn a_piece_that_stands_costs_what_it_did() {
+    let car = Vehicle::builtin("b250e").unwrap();
+    let model = StepModel::new(&car);
+    let (settings, search) = (PotentialSettings::default(), Settings::default());
+    let of = |pieces: &[&[f64]]| {
+        let pieces = pieces.iter().map(|speed_mps| motion(speed_mps));
+        potential_of_pieces(pieces, &model, &settings, &search)
+    };
+    let (moving, standing) = (trip(20.0, 8.0), vec![0.0; 601]);
+    let one = of(&[&moving]).unwrap();
+    let both = of(&[&standing, &moving]).unwrap();
+    let stood_j = 60.0 * model.standing_power_w(0.0);
+    assert!((both.own_energy_j - one.own_energy_j - stood_j).abs() < 1.0);
+    assert!((both.plan_energy_j - one.plan_energy_j - stood_j).abs() < 1.0);
+    assert!(matches!(
+        of(&[&standing, &standing]),
+        Err(NotPlanned::Standing)
+    ));
+    assert!(matches!(of(&[]), Err(NotPlanned::Standing)));
 }

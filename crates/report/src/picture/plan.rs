@@ -14,7 +14,7 @@ const SPEED_PX: u32 = 320;
 const TIME_PX: u32 = 240;
 const ELEVATION_PX: u32 = 180;
 const FRONTIER_PX: u32 = 320;
-/// Panels without their own axis of distance need less room below.
+/// Width of the line of the other run, in quarters of a pixel.
 const OWN_LINE: u32 = 4;
 const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
 const RED: RGBColor = RGBColor(0xc8, 0x2b, 0x1d);
@@ -36,7 +36,7 @@ pub struct PlanPicture<'a> {
     pub own: Option<RoadRun<'a>>,
     /// Limit in m/s at the nodes of the plan; 0 where the car stands
     pub limit_mps: &'a [f64],
-    /// Elevation in m at the nodes of the plan; empty on a level road
+    /// Elevation above the start in m at the nodes of the plan; empty on a level road
     pub elevation_m: &'a [f64],
     /// Signals along the road
     pub signals: Vec<SignalTimes<'a>>,
@@ -250,6 +250,9 @@ fn draw_head(area: &Canvas<'_>, picture: &PlanPicture<'_>) -> Drawn {
     if picture.limit_mps.iter().any(|limit| *limit > 0.0) {
         entries.push(("limit", LIMIT, LIMIT_LINE));
     }
+    if picture.plan.is_some() && !picture.signals.is_empty() {
+        entries.push(("signal", INK, 2));
+    }
     let middle = units(HEAD_PX - 20);
     for ((name, colour, width), slot) in entries.into_iter().zip(0..) {
         let left = units(LEFT_PX + slot * 170);
@@ -347,7 +350,7 @@ fn draw_speed(area: &Canvas<'_>, picture: &PlanPicture<'_>, plan: &RoadRun<'_>) 
     {
         let at_km = signal.position_m / 1e3;
         let ends = vec![(at_km, 0.0), (at_km, 1.05 * top_kmh)];
-        path(&mut chart, ends, line(RED, 2))?;
+        path(&mut chart, ends, line(INK, 2))?;
     }
     Ok(())
 }
@@ -418,7 +421,7 @@ fn draw_time(area: &Canvas<'_>, picture: &PlanPicture<'_>, plan: &RoadRun<'_>) -
 fn draw_elevation(area: &Canvas<'_>, picture: &PlanPicture<'_>, plan: &RoadRun<'_>) -> Drawn {
     let [low, high] = around(picture.elevation_m.iter().copied(), 5.0);
     let x = (plan.ends_km(), "position (km)");
-    let mut chart = axes(area, x, ([low, high], "elevation (m)"), 0)?;
+    let mut chart = axes(area, x, ([low, high], "above the start (m)"), 0)?;
     let elevations = picture.elevation_m.iter().enumerate();
     let points = elevations.map(|(k, m)| (plan.km(k), *m)).collect();
     path(&mut chart, points, line(GROUND, SPEED_LINE))

@@ -38,10 +38,11 @@ fn every_part_of_a_plan_is_drawn() {
         "brakes by friction",
         "own run",
         "limit",
+        "signal",
         "position (km)",
         "speed (km/h)",
         "time (s)",
-        "elevation (m)",
+        "above the start (m)",
         "energy (kWh)",
         "arrival (s)",
     ] {
