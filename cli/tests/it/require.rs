@@ -263,6 +263,11 @@ fn commands() -> Vec<(Vec<String>, &'static str, &'static str)> {
             "plans.energy_j<1",
         ),
         (
+            own(&["plan", &drive, "--potential"]),
+            "total.saving_pct>1",
+            "trips.saving_pct>90",
+        ),
+        (
             own(&["energy", &drive, "--vehicle", "b250e"]),
             "error_pct<=50",
             "totals.distance_m<1",

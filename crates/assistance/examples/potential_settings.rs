@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn variants() -> Vec<(String, PotentialSettings)> {
     let base = PotentialSettings::default();
     let mut variants = vec![("as they are".to_owned(), base)];
-    for window_m in [25.0, 50.0, 200.0] {
+    for window_m in [0.0, 25.0, 50.0, 200.0] {
         variants.push((
             format!("window of {window_m} m"),
             PotentialSettings { window_m, ..base },

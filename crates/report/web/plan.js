@@ -150,7 +150,7 @@ function introduce({ version, vehicle, plan, own, obstacle, frontier, road }) {
   }
   const early = plan.outcome === 'early' ? ', before it has to: later would not be cheaper' : '';
   headline.append(
-    `${quantity(plan.km.at(-1) - plan.km[0], 2, 'km')} with ${vehicle} in ${quantity(plan.timeS, 1, 's')}${early}, for ${quantity(kwh(plan.energyJ), 3, 'kWh')} from the cells. No other plan takes less than ${quantity(kwh(plan.boundJ), 3, 'kWh')}.`,
+    `${quantity(plan.km.at(-1) - plan.km[0], 2, 'km')} with ${vehicle} in ${quantity(plan.timeS, 1, 's')}${early}, for ${quantity(kwh(plan.energyJ), 4, 'kWh')} from the cells by the model. No other plan takes less than ${quantity(kwh(plan.boundJ), 4, 'kWh')}.`,
   );
   const saved = own && own.energyJ > 0 ? 100 * (1 - plan.energyJ / own.energyJ) : NaN;
   byId('facts').append(
