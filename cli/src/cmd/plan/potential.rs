@@ -261,7 +261,8 @@ fn assumptions(model: &StepModel) -> Vec<String> {
             "same stops, dwells and arrival; lows {prominence_mps} m/s below the highs beside them passed no faster than recorded, elsewhere no faster than the fastest recorded within {window_m} m to either side, nor than a recorded limit where the driver kept it"
         ),
         format!(
-            "braking to {min_mps2} m/s², acceleration to the {:.1}th percentile of each trip",
+            "braking with up to {} m/s², acceleration to the {:.1}th percentile of each trip",
+            -min_mps2,
             100.0 * accel_quantile
         ),
         format!(
