@@ -24,7 +24,11 @@ const ALLOWED: [(&str, &[&str]); 16] = [
         ],
     ),
     ("speed-plan", &["ev-energy"]),
-    ("assistance", &["driver-model", "ev-energy", "speed-plan"]),
+    (
+        "assistance",
+        // logs are for its examples
+        &["drive-log", "driver-model", "ev-energy", "speed-plan"],
+    ),
     ("report", &[]),
     ("unicycle-cbf", &[]),
     ("testbed-sim", &["unicycle-cbf"]),

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::program::{drivekit_in, fixture};
 
 /// The name of a page, the least number of its figures, and the arguments that make it; `drives/` is that of the fixtures.
-const PAGES: [(&str, usize, &str); 8] = [
+const PAGES: [(&str, usize, &str); 9] = [
     (
         "evaluate",
         18,
@@ -44,6 +44,7 @@ const PAGES: [(&str, usize, &str); 8] = [
         11,
         "evaluate --task trajectory drives/drive-01.csv drives/drive-02.csv drives/drive-03.csv --models svr-linear --horizons 1,2,5 --max-samples 500",
     ),
+    ("plan", 2, "plan drives/drive-01.csv"),
     (
         "robots",
         11,

@@ -180,3 +180,118 @@ fn stated_problems_are_planned_on_their_own_grid() {
     assert_eq!(found["nodes"]["position_m"].as_array().unwrap().len(), 117);
     assert!((found["time_s"].as_f64().unwrap() - 230.0).abs() < 1e-5);
 }
+
+#[test]
+fn recorded_trips_are_held_against_what_they_could_have_cost() {
+    let folder = TempDir::new().unwrap();
+    let drives = fixture("drives");
+    let run = plan(&folder, &[&drives, "--potential", "--format", "json"]).ok();
+    let document = run.json();
+    assert_eq!(document["schema"], "drivekit/plan-potential/1");
+    let trips = document["trips"].as_array().unwrap();
+    assert_eq!((trips.len(), &document["total"]["trips"]), (12, &12.into()));
+    let figure = |value: &Value, key: &str| value[key].as_f64().unwrap();
+    for trip in trips {
+        assert_eq!(trip["status"], "planned");
+        assert!(
+            figure(trip, "plan_energy_j") < figure(trip, "own_energy_j"),
+            "{trip}"
+        );
+        assert!((0.0..0.1).contains(&figure(trip, "gap_pct")), "{trip}");
+    }
+    let sum: f64 = trips.iter().map(|trip| figure(trip, "own_energy_j")).sum();
+    let total = &document["total"];
+    assert!((figure(total, "own_energy_j") - sum).abs() < 1e-6 * sum);
+    let [low, high] = [0, 1].map(|k| total["quartiles_saving_pct"][k].as_f64().unwrap());
+    let median = figure(total, "median_saving_pct");
+    assert!(low <= median && median <= high);
+    assert!(
+        (10.0..30.0).contains(&figure(total, "saving_pct")),
+        "{total}"
+    );
+}
+
+#[test]
+fn a_trip_that_cannot_be_planned_stops_no_other() {
+    let folder = TempDir::new().unwrap();
+    let stands: String = (0..600)
+        .map(|k| format!("{},0\n", f64::from(k) / 10.0))
+        .collect();
+    fs::write(
+        folder.path().join("stands.csv"),
+        format!("time_s,speed_mps\n{stands}"),
+    )
+    .unwrap();
+    fs::write(folder.path().join("broken.csv"), "time_s,speed_mps\n0,a\n").unwrap();
+    let drive = fixture("drives/drive-01.csv");
+    let arguments = ["stands.csv", &drive, "--potential"];
+    let run = plan(&folder, &arguments);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    for part in [
+        "stands: not planned: the car does not move",
+        "1 trip could not be planned",
+        "an upper bound",
+    ] {
+        assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
+    }
+    let run = plan(
+        &folder,
+        &["broken.csv", &drive, "--potential", "--format", "json"],
+    );
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert_eq!(run.json()["total"]["trips"], 1);
+    for (arguments, part) in [
+        (
+            vec![&drive[..], "--potential", "--arrive", "300"],
+            "--arrive",
+        ),
+        (vec!["--potential"], "ROAD|LOG"),
+        (vec![&drive, &drive], "--potential"),
+    ] {
+        let run = plan(&folder, &arguments);
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_plan_is_drawn_and_reported() {
+    let folder = TempDir::new().unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let pictures = ["--plot", "plan.svg", "--report", "plan.html"];
+    plan(
+        &folder,
+        &[&[&road[..], "--arrive", "300"], &pictures[..]].concat(),
+    )
+    .ok();
+    let (picture, page) = (read("plan.svg"), read("plan.html"));
+    for part in [
+        "<svg",
+        "speed (km/h)",
+        "time (s)",
+        "above the start (m)",
+        "coasts",
+        "brakes by friction",
+        "limit",
+        "signal",
+    ] {
+        assert!(picture.contains(part), "{part}");
+    }
+    assert!(page.contains("drivekit/plan/1") && page.contains("id=\"budget\""));
+    plan(
+        &folder,
+        &[&[&road[..], "--frontier", "4"], &pictures[..]].concat(),
+    )
+    .ok();
+    let picture = read("plan.svg");
+    assert!(picture.contains("energy (kWh)") && !picture.contains("speed (km/h)"));
+    // Nothing can be driven: the page says so, and there is nothing to draw.
+    let late = [&road[..], "--arrive", "100"];
+    let run = plan(&folder, &[&late[..], &pictures[2..]].concat());
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(read("plan.html").contains("too_late"));
+    let run = plan(&folder, &[&late[..], &pictures[..2]].concat());
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("no plan to draw"), "{}", run.stderr);
+}

@@ -78,6 +78,7 @@ fn documents() -> Vec<(&'static str, Value)> {
     let road = fixture("roads/town-and-country.toml");
     add("plan", &["plan", &road, "--arrive", "300"]);
     add("plan", &["plan", &road, "--frontier", "3"]);
+    add("plan-potential", &["plan", &drives, "--potential"]);
     add("vehicle-check", &["vehicle", "check"]);
     add(
         "vehicle-point",
@@ -260,6 +261,11 @@ fn commands() -> Vec<(Vec<String>, &'static str, &'static str)> {
             own(&["plan", &fixture("roads/town-and-country.toml")]),
             "plans.gap_pct<0.1",
             "plans.energy_j<1",
+        ),
+        (
+            own(&["plan", &drive, "--potential"]),
+            "total.saving_pct>1",
+            "trips.saving_pct>90",
         ),
         (
             own(&["energy", &drive, "--vehicle", "b250e"]),

@@ -76,6 +76,10 @@ fn texts() {
         ("road", "road drives/drive-01.csv -o /dev/null"),
         ("plan", "plan roads/town-and-country.toml --arrive 300"),
         (
+            "plan-potential",
+            "plan drives/drive-01.csv drives/drive-02.csv --potential",
+        ),
+        (
             "energy",
             "energy drives/drive-01.csv drives/drive-02.csv --vehicle b250e",
         ),
@@ -114,6 +118,10 @@ fn documents() {
         (
             "plan-document",
             "plan roads/town-and-country.toml --arrive 300",
+        ),
+        (
+            "plan-potential-document",
+            "plan drives/drive-01.csv drives/drive-02.csv --potential",
         ),
         (
             "energy-document",

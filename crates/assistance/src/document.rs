@@ -1,7 +1,8 @@
-use ev_energy::{Budget, Error, JOULES_PER_KWH};
+use ev_energy::{Budget, Error, JOULES_PER_KWH, OperatingPoint, RoadStep};
 use serde::Serialize;
 use speed_plan::{Arrival, Demand, Obstacle, Plan, Problem, Proof, Run};
 
+use crate::in_words::Saving;
 use crate::own::{Style, StyleDistance};
 use crate::sampled::SampledPlan;
 
@@ -16,10 +17,11 @@ pub enum PlanOutcome {
 }
 
 /// How far the bound can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// Proven, but for rounding.
+    #[default]
     Proven,
     /// Its minima were searched numerically.
     Numerical,
@@ -35,6 +37,9 @@ pub struct PlanDocument {
     /// How far it is from the driver's own way; `None` without a driver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub style_distance: Option<StyleDistance>,
+    /// Where it saves most against the driver's own way.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub saves_most: Vec<Saving>,
     /// Latest arrival that was asked for, s; `None` at a price of time.
     pub latest_arrival_s: Option<f64>,
     /// Earliest arrival within limits and accelerations, s.
@@ -94,6 +99,40 @@ pub struct SignalPassage {
     pub window_s: Option<[f64; 2]>,
     /// How long the car stood there, s.
     pub stood_s: f64,
+    /// Green windows of the trip's time, s.
+    pub green_s: Vec<[f64; 2]>,
+}
+
+/// What a car does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// The motor drives.
+    Drives,
+    /// Nothing pushes or holds.
+    Coasts,
+    /// The motor brakes.
+    Regenerates,
+    /// Friction brakes help.
+    BrakesByFriction,
+}
+
+impl Effort {
+    /// Forces that would change the speed by less are none, m/s².
+    const NONE_MPS2: f64 = 0.02;
+
+    pub(crate) fn of(point: &OperatingPoint, mass_kg: f64) -> Self {
+        let none_n = Self::NONE_MPS2 * mass_kg;
+        if point.friction_brake_n.abs() > none_n {
+            Self::BrakesByFriction
+        } else if point.wheel_force_n.abs() < none_n {
+            Self::Coasts
+        } else if point.wheel_force_n > 0.0 {
+            Self::Drives
+        } else {
+            Self::Regenerates
+        }
+    }
 }
 
 /// A motion by columns.
@@ -105,12 +144,18 @@ pub struct Nodes {
     pub speed_mps: Vec<f64>,
     /// Arrival at every node, s.
     pub arrival_s: Vec<f64>,
+    /// Time that the car stands at every node, s.
+    pub stood_s: Vec<f64>,
     /// Limit at every node, m/s.
     pub limit_mps: Vec<f64>,
     /// Slope angle of every step, rad.
     pub slope_rad: Vec<f64>,
     /// Force at the wheels in every step, N.
     pub force_n: Vec<f64>,
+    /// What the car does in every step.
+    pub effort: Vec<Effort>,
+    /// Energy from the cells in every step, J; standing is in none.
+    pub energy_j: Vec<f64>,
 }
 
 impl PlanDocument {
@@ -131,6 +176,7 @@ impl PlanDocument {
             },
             style: None,
             style_distance: None,
+            saves_most: Vec::new(),
             latest_arrival_s: match demand {
                 Demand::Arrival(latest_s) => Some(latest_s),
                 Demand::Price(_) => None,
@@ -167,9 +213,12 @@ impl RunDocument {
         let sampled = SampledPlan::new(problem, run);
         let [jerk_p95_mps3, jerk_max_mps3] = sampled.jerk_mps3();
         let ends = problem.steps().iter().zip(run.speed_mps.windows(2));
-        let force_n = ends
-            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]).wheel_force_n)
+        let points: Vec<OperatingPoint> = ends
+            .map(|(step, ends)| model.operating_point(step, ends[0], ends[1]))
             .collect();
+        let energy_of = |(step, point): (&RoadStep, &OperatingPoint)| {
+            point.battery_power_w * step.length_m() / point.speed_mps
+        };
         let kinetic_j =
             |v: Option<&f64>| 0.5 * model.vehicle().effective_mass_kg() * v.map_or(0.0, |v| v * v);
         let speeds = &run.speed_mps;
@@ -191,9 +240,15 @@ impl RunDocument {
                 position_m: columns.position_m.clone(),
                 speed_mps: run.speed_mps.clone(),
                 arrival_s: run.arrival_s.clone(),
+                stood_s: run.stood_s.clone(),
                 limit_mps: columns.max_mps.clone(),
                 slope_rad: columns.slope_rad.clone(),
-                force_n,
+                force_n: points.iter().map(|point| point.wheel_force_n).collect(),
+                effort: points
+                    .iter()
+                    .map(|point| Effort::of(point, model.vehicle().effective_mass_kg()))
+                    .collect(),
+                energy_j: problem.steps().iter().zip(&points).map(energy_of).collect(),
             },
         })
     }
@@ -210,6 +265,12 @@ fn passages(problem: &Problem, run: &Run) -> Vec<SignalPassage> {
             passage_s,
             window_s: signal.green_s.iter().find(holds).copied(),
             stood_s: run.stood_s[signal.node],
+            green_s: signal
+                .green_s
+                .iter()
+                .filter(|window| window[1] > 0.0 && window[0] < run.time_s)
+                .copied()
+                .collect(),
         }
     };
     columns.signals.iter().map(passage).collect()

@@ -20,7 +20,7 @@ use serde_json::Value;
 
 pub use live::live;
 pub use pages::{
-    CALIBRATION, CAMPAIGN, CONTROL, ENERGY, EVALUATION, PORTRAIT, SEGMENTATION, TRAJECTORY,
+    CALIBRATION, CAMPAIGN, CONTROL, ENERGY, EVALUATION, PLAN, PORTRAIT, SEGMENTATION, TRAJECTORY,
 };
 
 /// What one kind of page adds to the frame that all share.
@@ -80,7 +80,7 @@ mod tests {
 
     const DATA_START: &str = r#"<script id="document" type="application/json">"#;
 
-    const PAGES: [Page; 8] = [
+    const PAGES: [Page; 9] = [
         EVALUATION,
         SEGMENTATION,
         ENERGY,
@@ -89,6 +89,7 @@ mod tests {
         TRAJECTORY,
         CONTROL,
         CAMPAIGN,
+        PLAN,
     ];
 
     /// What a browser takes for the content of the data element.
@@ -130,6 +131,7 @@ mod tests {
             json!({ "totals": [null, { "budget": 1 }], "logs": { "curve": [] } }),
             json!({ "parameters": [[], { "ci95": "all" }], "correlation": { "keys": 2 } }),
             json!({ "figures": { "time_s": "all", "robots": [null] }, "events": [0] }),
+            json!({ "plans": [{ "nodes": { "position_m": [0, "x"] } }], "frontier": 3, "own": [] }),
             json!({ "totals": 0, "histograms": [{ "headway_mm": [] }], "violations": "none" }),
         ] {
             for page in PAGES.map(|page| page.filled(&document)) {
@@ -214,8 +216,19 @@ mod tests {
             "findings",
             "provenance",
         ];
+        let plan = [
+            "headline",
+            "road",
+            "frontier",
+            "savings",
+            "budget",
+            "assumed",
+            "findings",
+            "provenance",
+        ];
         for (page, sections) in [
-            (EVALUATION.filled(&json!({})), &evaluation[..]),
+            (PLAN.filled(&json!({})), &plan[..]),
+            (EVALUATION.filled(&json!({})), &evaluation),
             (SEGMENTATION.filled(&json!({})), &segmentation),
             (ENERGY.filled(&json!({})), &energy),
             (CALIBRATION.filled(&json!({})), &calibration),

@@ -202,3 +202,25 @@ pub const CAMPAIGN: Page = Page {
         include_str!("../web/campaign.js"),
     ),
 };
+
+/// For the schema `drivekit/plan/1`: a speed plan over the road, energy against time, budget and what was assumed.
+pub const PLAN: Page = Page {
+    command: "plan",
+    title: "Speed plan",
+    contents: &[
+        ("road", "Over the road"),
+        ("frontier", "Energy against time"),
+        ("savings", "Where it saves most"),
+        ("budget", "Energy budget"),
+        ("assumed", "What was assumed"),
+    ],
+    sections: include_str!("../web/plan.html"),
+    script: concat!(
+        include_str!("../web/base.js"),
+        include_str!("../web/page.js"),
+        include_str!("../web/tables.js"),
+        include_str!("../web/chart.js"),
+        include_str!("../web/plan-road.js"),
+        include_str!("../web/plan.js"),
+    ),
+};

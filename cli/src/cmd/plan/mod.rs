@@ -1,4 +1,6 @@
 mod own;
+mod picture;
+mod potential;
 mod source;
 mod text;
 
@@ -8,10 +10,12 @@ use std::time::Instant;
 use anyhow::bail;
 use assistance::{
     FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, RunDocument, SampledPlan, Style,
+    savings_in_words,
 };
 use clap::{ArgGroup, Args};
-use ev_energy::{StepModel, Weather};
+use ev_energy::{StepModel, Vehicle, Weather};
 use own::Tasks;
+use picture::PictureArgs;
 use serde::Serialize;
 use source::{Source, SourceInputs};
 use speed_plan::{Answer, Demand, HURRY_W, Problem, Settings, frontier, plan};
@@ -37,15 +41,20 @@ Examples:
   drivekit plan road.toml --price 3000                            when a second is worth 3 kJ
   drivekit plan road.toml --frontier 8                            energy against time
   drivekit plan road.toml --signals lights.json -o plan.csv       as a log that `drivekit energy` reads
+  drivekit plan road.toml --report plan.html                      a page with pictures
   drivekit plan drive.csv                                         the road of a drive, in its time
   drivekit plan --case case.json                                  a problem on a grid of its own
-  drivekit plan road.toml --driver trips.json --style 1,free      in the driver's own time, inside his band and outside of it"
+  drivekit plan road.toml --driver trips.json --style 1,free      in the driver's own time, inside his band and outside of it
+  drivekit plan logs/ --potential --vehicle bmw-i3-60ah           what recorded trips could have cost"
 )]
 pub(crate) struct PlanArgs {
-    /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road
+    /// A road file (TOML or JSON, see `drivekit road`), or a log of a drive along the road; with --potential logs: files, folders or globs
     #[arg(value_name = "ROAD|LOG")]
     #[serde(skip)]
-    road: Option<PathBuf>,
+    road: Vec<PathBuf>,
+    /// What recorded trips could have cost: each with its own stops and arrival, no faster than driven near by
+    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output", "plot", "report", "driver", "style"])]
+    potential: bool,
     /// Layout of the log: auto, the name of a built-in one, or a TOML file
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
     layout: String,
@@ -104,6 +113,9 @@ pub(crate) struct PlanArgs {
     output: Option<PathBuf>,
     #[command(flatten)]
     #[serde(skip)]
+    pictures: PictureArgs,
+    #[command(flatten)]
+    #[serde(skip)]
     require: RequireArgs,
 }
 
@@ -125,23 +137,20 @@ struct Body {
     frontier: Vec<FrontierPoint>,
 }
 
+/// Places that are named where a plan saves most.
+const PLACES: usize = 3;
+
 pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome> {
+    if args.potential {
+        return potential::run(args, context);
+    }
     args.require
         .check(&KnownFigures::new(include_str!("../../figures/plan.txt")))?;
     let source = Source::read(args, context)?;
     for finding in &source.findings {
         output::note(context, finding);
     }
-    let mut model = StepModel::new(&source.vehicle);
-    if let Some(temperature_degc) = args.temperature {
-        model = model.in_weather(&Weather {
-            temperature_degc,
-            elevation_m: 0.0,
-        })?;
-    }
-    if let Some(power_w) = args.aux_power {
-        model = model.with_auxiliary_power(power_w)?;
-    }
+    let model = model(args, &source.vehicle)?;
     let problem = Problem::new(model, source.envelope.clone(), source.columns.clone())?;
     let settings = Settings {
         max_gap_pct: args.max_gap,
@@ -168,7 +177,23 @@ pub(crate) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
         Format::Json => output::print_json(&document)?,
         Format::Text => output::print_text(&text::text(&document.body))?,
     }
+    args.pictures.write(&document, context)?;
     Ok(outcome.and(judged))
+}
+
+/// The car with the auxiliaries and in the weather that are asked for.
+fn model<'a>(args: &PlanArgs, vehicle: &'a Vehicle) -> anyhow::Result<StepModel<'a>> {
+    let mut model = StepModel::new(vehicle);
+    if let Some(temperature_degc) = args.temperature {
+        model = model.in_weather(&Weather {
+            temperature_degc,
+            elevation_m: 0.0,
+        })?;
+    }
+    if let Some(power_w) = args.aux_power {
+        model = model.with_auxiliary_power(power_w)?;
+    }
+    Ok(model)
 }
 
 fn planned(
@@ -193,7 +218,7 @@ fn planned(
     }
     for (style, problem) in &tasks.styled {
         if let (Some(own), None) = (&tasks.own, &body.own) {
-            body.own = Some(RunDocument::new(problem, &own.run)?);
+            body.own = Some(RunDocument::new(&tasks.road, &own.run)?);
         }
         match args.frontier {
             Some(points) => add_frontier(&mut body, problem, points, settings)?,
@@ -256,15 +281,15 @@ fn add_plan(
     let solve_ms = (!context.no_times).then(|| 1e3 * started.elapsed().as_secs_f64());
     match &answer {
         Answer::Plan(plan) => {
-            let mut document = PlanDocument::new(problem, plan, demand, solve_ms)?;
+            let mut document = PlanDocument::new(&tasks.road, plan, demand, solve_ms)?;
             document.style = style;
-            document.style_distance = tasks
-                .own
-                .as_ref()
-                .map(|own| own.distance(problem, &plan.run));
+            if let (Some(own), Some(of_own)) = (&tasks.own, &body.own) {
+                document.style_distance = Some(own.distance(problem, &plan.run));
+                document.saves_most = savings_in_words(&document.run.nodes, &of_own.nodes, PLACES);
+            }
             body.plans.push(document);
             if let Some(path) = &args.output {
-                let log = SampledPlan::new(problem, &plan.run).csv();
+                let log = SampledPlan::new(&tasks.road, &plan.run).csv();
                 output::write_file(path, |out| Ok(out.write_all(log.as_bytes())?))?;
                 output::note(context, &format!("plan written to {}", path.display()));
             }

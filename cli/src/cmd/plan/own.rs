@@ -15,6 +15,8 @@ use crate::cmd::model;
 /// What is planned for: problems in their styles, and the driver's own way beside them.
 pub(super) struct Tasks<'a> {
     pub(super) styled: Vec<(Option<Style>, Problem<'a>)>,
+    /// The problem as the road states it, without a driver's band.
+    pub(super) road: Problem<'a>,
     pub(super) own: Option<OwnWay>,
     /// The driver's own arrival.
     pub(super) demand: Option<Demand>,
@@ -29,12 +31,13 @@ impl<'a> Tasks<'a> {
         problem: Problem<'a>,
     ) -> anyhow::Result<Self> {
         match &args.driver {
-            Some(path) => Self::of_driver(path, args, source, &problem),
+            Some(path) => Self::of_driver(path, args, source, problem),
             None if args.style.is_some() => {
                 bail!("--style is that of a driver; give --driver MODEL.json as well")
             }
             None => Ok(Self {
-                styled: vec![(None, problem)],
+                styled: vec![(None, problem.clone())],
+                road: problem,
                 own: None,
                 demand: None,
                 findings: Vec::new(),
@@ -46,7 +49,7 @@ impl<'a> Tasks<'a> {
         path: &Path,
         args: &PlanArgs,
         source: &Source,
-        problem: &Problem<'a>,
+        problem: Problem<'a>,
     ) -> anyhow::Result<Self> {
         let Some(road) = &source.road else {
             bail!("--driver is for roads and logs; a --case has no road that a driver knows");
@@ -59,7 +62,7 @@ impl<'a> Tasks<'a> {
                 file.model.kind()
             );
         };
-        let own = OwnWay::new(driver, road, problem)?;
+        let own = OwnWay::new(driver, road, &problem)?;
         let is_led = !problem.columns().earliest_s.is_empty();
         let styles = args.style.as_deref().unwrap_or(&[Style::Within(1.0)]);
         let styled = styles.iter().map(|&style| {
@@ -76,6 +79,7 @@ impl<'a> Tasks<'a> {
             demand: (!is_led).then_some(Demand::Arrival(own.run.time_s)),
             findings: findings(driver, own.band, is_led, road.slow_points.is_none()),
             own: Some(own),
+            road: problem,
         })
     }
 }

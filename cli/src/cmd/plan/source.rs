@@ -38,17 +38,21 @@ pub(super) enum SourceInputs {
 
 impl Source {
     pub(super) fn read(args: &PlanArgs, context: &Context) -> anyhow::Result<Self> {
-        match (&args.case, &args.road) {
-            (Some(case), None) => of_case(args, case),
-            (Some(_), Some(_)) => bail!("--case is a problem of its own; give no road beside it"),
-            (None, None) => bail!("give a road file, a log, or --case FILE.json"),
-            (None, Some(road)) if is_road_file(road) => {
+        match (&args.case, &args.road[..]) {
+            (Some(case), []) => of_case(args, case),
+            (Some(_), [_, ..]) => bail!("--case is a problem of its own; give no road beside it"),
+            (None, []) => bail!("give a road file, a log, or --case FILE.json"),
+            (None, [_, _, ..]) => bail!(
+                "{} roads or logs were given; a plan is for one (--potential takes several logs)",
+                args.road.len()
+            ),
+            (None, [road]) if is_road_file(road) => {
                 let file = RoadFile::read(road)?;
                 let name = road.display().to_string();
                 let inputs = SourceInputs::Files(FileInputs::read([road.clone()])?);
                 of_road(args, file, &name, None, inputs, context)
             }
-            (None, Some(log)) => of_log(args, log, context),
+            (None, [log]) => of_log(args, log, context),
         }
     }
 }
@@ -138,19 +142,12 @@ fn of_road(
     if road.limits.is_empty() {
         bail!("{name}: the road has no speed limits; give `limits`, the first at position 0");
     }
-    let chosen = args.vehicle.as_deref().unwrap_or_else(|| {
-        output::note(
-            context,
-            &format!("no --vehicle: the plan is for `{DEFAULT_VEHICLE}`"),
-        );
-        DEFAULT_VEHICLE
-    });
     let envelope = match args.accel {
         Some([min, max]) => Envelope::constant(min, max)?,
         None => Envelope::default(),
     };
     Ok(Source {
-        vehicle: vehicle(chosen)?,
+        vehicle: chosen_vehicle(args, context)?,
         envelope,
         columns: road.columns().with_context(|| name.to_owned())?,
         road: Some(file),
@@ -158,6 +155,18 @@ fn of_road(
         findings,
         inputs,
     })
+}
+
+/// The vehicle that is named, or the one where none is.
+pub(super) fn chosen_vehicle(args: &PlanArgs, context: &Context) -> anyhow::Result<Vehicle> {
+    let chosen = args.vehicle.as_deref().unwrap_or_else(|| {
+        output::note(
+            context,
+            &format!("no --vehicle: the plan is for `{DEFAULT_VEHICLE}`"),
+        );
+        DEFAULT_VEHICLE
+    });
+    vehicle(chosen)
 }
 
 /// Signals of a JSON list, read as those of a road file are.

@@ -141,6 +141,9 @@ fn beside(plan: &PlanDocument, own: Option<&RunDocument>) -> String {
         distance.decel_p95_mps2,
         distance.own_decel_p95_mps2
     );
+    for saving in &plan.saves_most {
+        let _ = writeln!(text, "- {}", saving.words);
+    }
     text
 }
 

@@ -52,6 +52,7 @@ pub use slowdowns::{LimitSlowdowns, Slowdowns};
 pub use style::{AccelAtSpeed, HalfWidth, Spread, Style};
 use unrest::UNREST_MPS2;
 pub use unrest::restless;
+pub use zigzag::{Extremum, zigzag};
 
 /// What a driver's trips have in common, learnt from recorded ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-use super::zigzag::{Extremum, zigzag};
+use super::zigzag::{Extremum, PROMINENCE_MPS, zigzag};
 use crate::road::limit::{LIMIT_MPS, is_same_limit, rounded_limit};
 use crate::road::map::STOP_SPACING_M;
 use crate::road::{
@@ -84,7 +84,7 @@ impl RecordedTrip {
             joined_s: joined as f64 * log.step_s(),
             step_s: log.step_s(),
             distance_m: distance_m(&speed_mps, log.step_s()),
-            extrema: zigzag(&speed_mps),
+            extrema: zigzag(&speed_mps, PROMINENCE_MPS),
             speed_mps,
             limit_mps,
             slope_rad: motion.slope_rad().map(<[f64]>::to_vec),

@@ -1,17 +1,18 @@
-/// Highs and lows differ by at least this, m/s.
+/// Highs and lows that trip drivers learn from differ by at least this, m/s.
 pub(super) const PROMINENCE_MPS: f64 = 1.5;
 
 /// A turning point of the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Extremum {
+pub enum Extremum {
     /// First highest sample.
     High(usize),
     /// Last lowest sample.
     Low(usize),
 }
 
-/// Highs and lows in turn, [`PROMINENCE_MPS`] apart; what has not turned by the end is not among them.
-pub(super) fn zigzag(speed_mps: &[f64]) -> Vec<Extremum> {
+/// Highs and lows in turn, more than a prominence in m/s apart; what has not turned by the end is not among them.
+#[must_use]
+pub fn zigzag(speed_mps: &[f64], prominence_mps: f64) -> Vec<Extremum> {
     #[derive(Clone, Copy, PartialEq)]
     enum Seeking {
         Either,
@@ -28,10 +29,10 @@ pub(super) fn zigzag(speed_mps: &[f64]) -> Vec<Extremum> {
         if seeking != Seeking::High && v[i] <= v[low] {
             low = i;
         }
-        if seeking != Seeking::Low && v[i] < v[high] - PROMINENCE_MPS {
+        if seeking != Seeking::Low && v[i] < v[high] - prominence_mps {
             extrema.push(Extremum::High(high));
             (seeking, low) = (Seeking::Low, i);
-        } else if seeking != Seeking::High && v[i] > v[low] + PROMINENCE_MPS {
+        } else if seeking != Seeking::High && v[i] > v[low] + prominence_mps {
             extrema.push(Extremum::Low(low));
             (seeking, high) = (Seeking::High, i);
         }
@@ -49,9 +50,9 @@ mod tests {
         let speed = [
             0.0, 0.0, 5.0, 10.0, 10.0, 9.0, 10.0, 4.0, 3.0, 3.0, 4.4, 3.2, 8.0, 7.0,
         ];
-        assert_eq!(zigzag(&speed), [Low(1), High(3), Low(9)]);
+        assert_eq!(zigzag(&speed, 1.5), [Low(1), High(3), Low(9)]);
         let falling: Vec<f64> = speed.iter().rev().copied().collect();
-        assert_eq!(zigzag(&falling), [High(1), Low(5), High(7)]);
-        assert!(zigzag(&[1.0, 2.4, 1.0]).is_empty() && zigzag(&[]).is_empty());
+        assert_eq!(zigzag(&falling, 1.5), [High(1), Low(5), High(7)]);
+        assert!(zigzag(&[1.0, 2.4, 1.0], 1.5).is_empty() && zigzag(&[], 1.5).is_empty());
     }
 }

@@ -3,37 +3,21 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::PictureError;
+use super::sheet::{
+    Axes, Canvas, Drawn, INK, LEFT_PX, LIMIT, LIMIT_LINE, MARGIN_PX, RULE, SPEED_LINE,
+    UNITS_PER_PX, WIDTH_PX, escaped, line, opened, printable, text, units,
+};
 
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
-type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-/// Width of the picture in pixels.
-const WIDTH_PX: u32 = 1200;
 /// Height of one drive's panel, and of the legend above all panels.
 const PANEL_PX: u32 = 292;
 const LEGEND_PX: u32 = 44;
-/// The SVG backend rounds to whole units; a finer grid under a view box keeps slow ramps from becoming stairs.
-const UNITS_PER_PX: u32 = 4;
-/// The space left of the axes, and how much of it stays empty.
-const LEFT_PX: u32 = 68;
-const MARGIN_PX: u32 = 10;
 /// Drives in one picture at most.
 const MAX_PANELS: usize = 1000;
 /// Columns into which the samples of a drive are thinned.
 const COLUMNS: usize = WIDTH_PX as usize;
-/// Widths of lines in quarters of a pixel.
-const SPEED_LINE: u32 = 7;
-const LIMIT_LINE: u32 = 4;
-const FONT: &str = "system-ui, sans-serif";
-const INK: RGBColor = RGBColor(0x39, 0x42, 0x4c);
-const RULE: RGBColor = RGBColor(0xdd, 0xe1, 0xe5);
-const LIMIT: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
 
 /// One drive: uniform samples of the speed and what was found in them.
 #[derive(Debug, Clone)]
@@ -136,22 +120,6 @@ pub fn speed_with_phases(plots: &[SpeedPlot<'_>]) -> Result<String, PictureError
         root.present()?;
     }
     Ok(with_header(&picture, plots, height_px))
-}
-
-/// A length in pixels, in the units of the drawing.
-fn units(length_px: u32) -> i32 {
-    (length_px * UNITS_PER_PX) as i32
-}
-
-fn text(size_px: u32) -> TextStyle<'static> {
-    // The SVG backend divides the size by 1.24.
-    (FONT, f64::from(size_px * UNITS_PER_PX) * 1.24)
-        .into_font()
-        .color(&INK)
-}
-
-fn line(colour: RGBColor, quarter_px: u32) -> ShapeStyle {
-    colour.stroke_width(quarter_px * UNITS_PER_PX / 4)
 }
 
 fn draw_remark(area: &Canvas<'_>, remark: &str) -> Drawn {
@@ -410,39 +378,14 @@ fn extremes(points: &[(usize, f64)]) -> Vec<(usize, f64)> {
     chosen
 }
 
-/// Puts a size in pixels and a title for screen readers in place of the backend's own opening tag.
+/// The picture with its size and a title for screen readers.
 fn with_header(picture: &str, plots: &[SpeedPlot<'_>], height_px: u32) -> String {
-    let body = picture.split_once('>').map_or("", |(_, body)| body);
-    let (width, height) = (WIDTH_PX * UNITS_PER_PX, height_px * UNITS_PER_PX);
-    let title = match plots {
-        [plot] => format!(
-            "Speed over time of {}, coloured by driving phase",
-            escaped(plot.title)
-        ),
-        _ => format!(
-            "Speed over time of {}, coloured by driving phase",
-            format_args!("{} drives", plots.len())
-        ),
+    let drawn = match plots {
+        [plot] => escaped(plot.title),
+        plots => format!("{} drives", plots.len()),
     };
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH_PX}\" height=\"{height_px}\" viewBox=\"0 0 {width} {height}\" \
-         role=\"img\" stroke-linejoin=\"round\">\n<title>{title}</title>{body}"
-    )
-}
-
-/// The text without the characters that XML cannot hold.
-fn printable(text: &str) -> String {
-    text.replace(
-        |character: char| character.is_control() || matches!(character, '\u{fffe}' | '\u{ffff}'),
-        "\u{fffd}",
-    )
-}
-
-fn escaped(text: &str) -> String {
-    printable(text)
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    let title = format!("Speed over time of {drawn}, coloured by driving phase");
+    opened(picture, &title, height_px)
 }
 
 #[cfg(test)]
