@@ -9,8 +9,8 @@ mod road;
 mod sampled;
 
 pub use document::{
-    Bound, FrontierPoint, Nodes, ObstacleDocument, PlanDocument, PlanOutcome, RoadDocument,
-    RunDocument, SignalPassage,
+    Bound, CertificateDocument, CertificateStatus, FrontierPoint, Nodes, ObstacleDocument,
+    PlanDocument, PlanOutcome, RoadDocument, RunDocument, SignalPassage,
 };
 pub use error::Error;
 pub use own::{Band, OwnWay, Style, StyleDistance};

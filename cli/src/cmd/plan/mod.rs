@@ -1,3 +1,4 @@
+mod certify;
 mod own;
 mod source;
 mod text;
@@ -9,6 +10,7 @@ use anyhow::bail;
 use assistance::{
     FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, RunDocument, SampledPlan, Style,
 };
+use certify::Certifier;
 use clap::{ArgGroup, Args};
 use ev_energy::{StepModel, Weather};
 use own::Tasks;
@@ -98,6 +100,9 @@ pub(crate) struct PlanArgs {
     /// Time after which the search ends with the best plan that it has, in s
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = numbers::budget_s)]
     budget: f64,
+    /// What says how much less any other plan could take
+    #[arg(long, value_enum, default_value_t = Certifier::Bound, value_name = "BY", conflicts_with = "frontier")]
+    certify: Certifier,
     /// Write the plan as a log at 10 Hz
     #[arg(long, short, value_name = "FILE.csv", conflicts_with = "frontier")]
     #[serde(skip)]
@@ -262,6 +267,7 @@ fn add_plan(
                 .own
                 .as_ref()
                 .map(|own| own.distance(problem, &plan.run));
+            document.certificate = args.certify.certificate(problem, demand, plan, context)?;
             body.plans.push(document);
             if let Some(path) = &args.output {
                 let log = SampledPlan::new(problem, &plan.run).csv();
