@@ -295,3 +295,34 @@ fn a_plan_is_drawn_and_reported() {
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("no plan to draw"), "{}", run.stderr);
 }
+
+#[test]
+fn another_solver_stands_beside_the_plan_where_it_can() {
+    let folder = TempDir::new().unwrap();
+    let road = "length_m = 2000.0\nlimits = [{ position_m = 0, limit_kmh = 70 }]\nstops = [{ position_m = 900, dwell_s = 5 }]\n";
+    fs::write(folder.path().join("road.toml"), road).unwrap();
+    let arguments = ["road.toml", "--arrive", "160", "--certify", "convex"];
+    let document = plan(&folder, &[&arguments[..], &["--format", "json"]].concat())
+        .ok()
+        .json();
+    let certificate = &document["plans"][0]["certificate"];
+    assert_eq!(
+        (&certificate["solver"], &certificate["status"]),
+        (&"clarabel".into(), &"solved".into())
+    );
+    let gap_pct = certificate["gap_pct"].as_f64().unwrap();
+    assert!((0.0..0.5).contains(&gap_pct), "{gap_pct} %");
+    let text = plan(&folder, &arguments).ok().stdout;
+    assert!(
+        text.contains("by a convex relaxation no other plan takes less"),
+        "{text}"
+    );
+
+    let signals = r#"[{"position_m": 400, "green_s": [[0, 100]]}]"#;
+    fs::write(folder.path().join("signals.json"), signals).unwrap();
+    plan(
+        &folder,
+        &[&arguments[..], &["--signals", "signals.json"]].concat(),
+    )
+    .refused(&["knows of no signals"]);
+}

@@ -19,6 +19,7 @@ fn documents() -> Vec<(&'static str, Value)> {
     fs::write(folder.path().join("state.json"), state).unwrap();
     let points = "speed_mps,accel_mps2,grade\n10,0,0\n20,0.5,0\n";
     fs::write(folder.path().join("points.csv"), points).unwrap();
+    fs::write(folder.path().join("none.json"), "[]").unwrap();
     crate::program::write_poses(folder.path());
     let run = |args: &[&str]| drivekit_in(folder.path(), &[args, &["--format", "json"]].concat());
     let mut found = Vec::new();
@@ -79,6 +80,15 @@ fn documents() -> Vec<(&'static str, Value)> {
     add("plan", &["plan", &road, "--arrive", "300"]);
     add("plan", &["plan", &road, "--frontier", "3"]);
     add("plan-potential", &["plan", &drives, "--potential"]);
+    let alone = [
+        "plan",
+        &road,
+        "--signals",
+        "none.json",
+        "--certify",
+        "convex",
+    ];
+    add("plan", &alone);
     add("vehicle-check", &["vehicle", "check"]);
     add(
         "vehicle-point",

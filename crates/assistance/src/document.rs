@@ -40,6 +40,9 @@ pub struct PlanDocument {
     /// Where it saves most against the driver's own way.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub saves_most: Vec<Saving>,
+    /// What another solver says of it; `None` where none was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<CertificateDocument>,
     /// Latest arrival that was asked for, s; `None` at a price of time.
     pub latest_arrival_s: Option<f64>,
     /// Earliest arrival within limits and accelerations, s.
@@ -86,6 +89,33 @@ pub struct RunDocument {
     pub signals: Vec<SignalPassage>,
     /// The motion itself.
     pub nodes: Nodes,
+}
+
+/// Optimum of a relaxed problem by another solver.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CertificateDocument {
+    /// Name of the solver.
+    pub solver: &'static str,
+    /// No plan takes less energy, J; `None` where the solver failed.
+    pub energy_j: Option<f64>,
+    /// Energy of the plan above it, % as [`PlanDocument::gap_pct`].
+    pub gap_pct: Option<f64>,
+    /// How the solver ended.
+    pub status: CertificateStatus,
+    /// Time that it took, ms; `None` without wall times.
+    pub solve_ms: Option<f64>,
+}
+
+/// How another solver ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CertificateStatus {
+    /// With an optimum.
+    Solved,
+    /// With an optimum, at a weaker tolerance.
+    AlmostSolved,
+    /// Without one.
+    Failed,
 }
 
 /// How a signal is passed.
@@ -177,6 +207,7 @@ impl PlanDocument {
             style: None,
             style_distance: None,
             saves_most: Vec::new(),
+            certificate: None,
             latest_arrival_s: match demand {
                 Demand::Arrival(latest_s) => Some(latest_s),
                 Demand::Price(_) => None,

@@ -12,8 +12,8 @@ mod road;
 mod sampled;
 
 pub use document::{
-    Bound, Effort, FrontierPoint, Nodes, ObstacleDocument, PlanDocument, PlanOutcome, RoadDocument,
-    RunDocument, SignalPassage,
+    Bound, CertificateDocument, CertificateStatus, Effort, FrontierPoint, Nodes, ObstacleDocument,
+    PlanDocument, PlanOutcome, RoadDocument, RunDocument, SignalPassage,
 };
 pub use error::Error;
 pub use in_words::{Difference, Saving, savings_in_words};

@@ -55,6 +55,13 @@ pub enum Error {
         "the losses of the car are a table, with which signals and a leader cannot be planned yet; give losses by formula"
     )]
     TableInTraffic,
+    /// There is no convex relaxation of the problem.
+    #[cfg(feature = "convex")]
+    #[error("the convex relaxation knows of no {what}; certify by the bound")]
+    NotConvex {
+        /// What is in the way.
+        what: &'static str,
+    },
     /// The vehicle cannot be.
     #[error(transparent)]
     Vehicle(#[from] ev_energy::Error),

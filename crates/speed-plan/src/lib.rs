@@ -39,6 +39,7 @@
 //! - Signals and leaders: branch and bound over passing before or after a red and standing or not; passing times behind a leader are
 //!   bounded where they are violated.
 //! - Losses by table: nested dynamic programming, with a bound whose minima are searched numerically.
+//! - With the feature `convex`, `certify`: a convex relaxation by Clarabel, an independent lower bound without signals and leaders.
 //!
 //! # References
 //!
@@ -50,6 +51,8 @@
 mod bound;
 mod by_table;
 mod case;
+#[cfg(feature = "convex")]
+mod convex;
 mod drive;
 mod dynamic;
 mod envelope;
@@ -65,6 +68,8 @@ mod timed;
 mod tridiagonal;
 
 pub use case::Case;
+#[cfg(feature = "convex")]
+pub use convex::{Certificate, Convergence, certify};
 pub use drive::Run;
 pub use envelope::{Envelope, EnvelopePoint};
 pub use error::Error;

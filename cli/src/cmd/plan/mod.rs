@@ -1,3 +1,4 @@
+mod certify;
 mod own;
 mod picture;
 mod potential;
@@ -12,6 +13,7 @@ use assistance::{
     FrontierPoint, ObstacleDocument, PlanDocument, RoadDocument, RunDocument, SampledPlan, Style,
     savings_in_words,
 };
+use certify::Certifier;
 use clap::{ArgGroup, Args};
 use ev_energy::{StepModel, Vehicle, Weather};
 use own::Tasks;
@@ -107,6 +109,9 @@ pub(crate) struct PlanArgs {
     /// Time after which the search ends with the best plan that it has, in s
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = numbers::budget_s)]
     budget: f64,
+    /// What says how much less any other plan could take
+    #[arg(long, value_enum, default_value_t = Certifier::Bound, value_name = "BY", conflicts_with = "frontier")]
+    certify: Certifier,
     /// Write the plan as a log at 10 Hz
     #[arg(long, short, value_name = "FILE.csv", conflicts_with = "frontier")]
     #[serde(skip)]
@@ -287,6 +292,7 @@ fn add_plan(
                 document.style_distance = Some(own.distance(problem, &plan.run));
                 document.saves_most = savings_in_words(&document.run.nodes, &of_own.nodes, PLACES);
             }
+            document.certificate = args.certify.certificate(problem, demand, plan, context)?;
             body.plans.push(document);
             if let Some(path) = &args.output {
                 let log = SampledPlan::new(&tasks.road, &plan.run).csv();

@@ -4,7 +4,7 @@ use assistance::{Band, Bound, PlanDocument, PlanOutcome, RunDocument, Style};
 use ev_energy::JOULES_PER_KWH;
 use report::terminal::{Table, number};
 
-use super::Body;
+use super::{Body, certify};
 
 /// Kilowatt hours that are easier to read.
 const PLACES: usize = 3;
@@ -35,6 +35,7 @@ pub(super) fn text(body: &Body) -> String {
     }
     for plan in &body.plans {
         let _ = write!(text, "\n{}", summary(plan));
+        text.extend(plan.certificate.as_ref().map(certify::text));
         text.push_str(&beside(plan, body.own.as_ref()));
         let _ = write!(text, "\n{}", course(&plan.run).render());
     }

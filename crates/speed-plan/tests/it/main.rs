@@ -9,6 +9,8 @@
 
 mod bound_holds;
 mod brute_force;
+#[cfg(feature = "convex")]
+mod convex;
 mod outcomes;
 mod roads;
 #[path = "../../../../fixtures/shared.rs"]
