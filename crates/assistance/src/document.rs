@@ -16,8 +16,8 @@ pub enum PlanOutcome {
     Early,
 }
 
-/// How far the bound can be trusted.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+/// How far the bound can be trusted, the most first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// Proven, but for rounding.
@@ -25,6 +25,9 @@ pub enum Bound {
     Proven,
     /// Its minima were searched numerically.
     Numerical,
+    /// There is none.
+    #[serde(rename = "none")]
+    Missing,
 }
 
 /// One plan as `drivekit/plan/1` gives it.
@@ -49,9 +52,9 @@ pub struct PlanDocument {
     pub earliest_arrival_s: f64,
     /// Price of time, W.
     pub price_w: f64,
-    /// No plan takes less energy, J.
+    /// No plan that arrives no later takes less energy (for an arrival: by then), J; `null` in JSON where there is no bound.
     pub lower_bound_j: f64,
-    /// Energy above the bound, % of the larger of |energy| and a tenth of the energy turned over.
+    /// Energy above the bound, % of the larger of |energy| and a tenth of the energy turned over; `null` in JSON where there is no bound.
     pub gap_pct: f64,
     /// Whether the bound was proven.
     pub bound: Bound,
@@ -219,6 +222,7 @@ impl PlanDocument {
             bound: match plan.proof {
                 Proof::Proven => Bound::Proven,
                 Proof::Numerical => Bound::Numerical,
+                Proof::Missing => Bound::Missing,
             },
             solve_ms,
             run: RunDocument::new(problem, &plan.run)?,
@@ -381,7 +385,7 @@ impl ObstacleDocument {
         };
         Self {
             outcome,
-            words: obstacle.to_string(),
+            words: obstacle.words(problem),
             position_m,
             earliest_s,
         }

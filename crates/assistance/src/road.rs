@@ -4,8 +4,15 @@ use speed_plan::{Leader, Road};
 /// Signals are passed this long after they turn green, and before they turn red, s.
 const SIGNAL_MARGIN_S: f64 = 1.0;
 
-/// Cycles of signals are laid out for this long, s.
+/// Cycles of signals are laid out for this long beyond stands, the leader and the way to the signal at [`SLOW_MPS`], s.
 const HORIZON_S: f64 = 4.0 * 3600.0;
+const SLOW_MPS: f64 = 5.0;
+
+/// Green windows of all signals, at most.
+const MOST_WINDOWS: usize = 1_000_000;
+
+/// A green that never ends, s.
+const ALWAYS_S: [f64; 2] = [-1e9, 1e9];
 
 /// A slope that changes over distance is summed in pieces of this length, m.
 const PIECE_M: f64 = 10.0;
@@ -36,25 +43,23 @@ impl Default for RoadSettings {
 pub fn planned_road(file: &RoadFile, settings: &RoadSettings) -> (Road, Vec<String>) {
     let mut findings = Vec::new();
     let signals = file.signals.iter().map(|signal| {
-        let (windows, dropped) = windows(&signal.green);
+        let until_s = horizon_s(file, signal.position_m);
+        let most = (MOST_WINDOWS / file.signals.len()).max(2);
+        let at_m = signal.position_m;
+        let (windows, dropped, laid_until_s) = windows(&signal.green, until_s, most);
         if dropped > 0 {
             findings.push(format!(
-                "signal at {:.0} m: {dropped} green windows are shorter than the margins of {SIGNAL_MARGIN_S} s on both sides and are left out",
-                signal.position_m
+                "signal at {at_m:.0} m: {dropped} green windows are shorter than the margins of {SIGNAL_MARGIN_S} s on both sides and are left out"
             ));
         }
-        (signal.position_m, windows)
+        if laid_until_s < until_s {
+            findings.push(format!(
+                "signal at {at_m:.0} m: its cycles are laid out for the first {laid_until_s:.0} s, after which it stays red"
+            ));
+        }
+        (at_m, windows)
     });
     let signals = signals.collect();
-    if let Some(limit) = file.limits.first()
-        && file.start_speed_mps > limit.limit_mps
-    {
-        findings.push(format!(
-            "the start at {:.1} km/h is above the limit of {:.1} km/h: the plan brakes down to it",
-            3.6 * file.start_speed_mps,
-            3.6 * limit.limit_mps
-        ));
-    }
     if file.elevation.is_empty() && file.slope.is_empty() {
         findings.push("the road has neither elevation nor slope and is taken as level".to_owned());
     }
@@ -64,7 +69,7 @@ pub fn planned_road(file: &RoadFile, settings: &RoadSettings) -> (Road, Vec<Stri
         .map(|at| (at.position_m, at.elevation_m))
         .collect();
     let slow_points = file.slow_points.iter().flatten();
-    let road = Road {
+    let mut road = Road {
         length_m: file.length_m,
         start_mps: file.start_speed_mps,
         end_mps: file.end_speed_mps,
@@ -101,24 +106,61 @@ pub fn planned_road(file: &RoadFile, settings: &RoadSettings) -> (Road, Vec<Stri
             headway_s: settings.headway_s,
         }),
     };
+    findings.extend(within_limits(&mut road));
     (road, findings)
 }
 
-/// Green windows within their margins, and how many had no room for them.
-fn windows(green: &Green) -> (Vec<[f64; 2]>, usize) {
-    let whole: Vec<[f64; 2]> = match green {
-        Green::Windows { green_s } => green_s.clone(),
+/// An end above what is allowed there is lowered to it; a start gives way to it by braking. Says so.
+fn within_limits(road: &mut Road) -> Vec<String> {
+    // What is wrong with a road is said when its columns are laid.
+    let Ok([start_mps, end_mps]) = road.end_limits_mps() else {
+        return Vec::new();
+    };
+    let mut findings = Vec::new();
+    let kmh = |mps: f64| format!("{:.1} km/h", 3.6 * mps);
+    if road.start_mps > start_mps {
+        findings.push(format!(
+            "the start at {} is above the {} that are allowed there: the plan brakes down to them",
+            kmh(road.start_mps),
+            kmh(start_mps)
+        ));
+    }
+    if road.end_mps > end_mps {
+        findings.push(format!(
+            "the end at {} is above the {} that are allowed there: the plan ends at these",
+            kmh(road.end_mps),
+            kmh(end_mps)
+        ));
+        road.end_mps = end_mps;
+    }
+    findings
+}
+
+/// Until when a plan may want to pass a position, s.
+fn horizon_s(file: &RoadFile, position_m: f64) -> f64 {
+    let stands_s: f64 = file.stops.iter().map(|stop| stop.dwell_s).sum();
+    let led_s = file.leader.last().map_or(0.0, |at| at.time_s.max(0.0));
+    HORIZON_S + stands_s + led_s + position_m / SLOW_MPS
+}
+
+/// Green windows within their margins, how many had no room for them, and until when they are laid out.
+fn windows(green: &Green, until_s: f64, most: usize) -> (Vec<[f64; 2]>, usize, f64) {
+    let (whole, laid_until_s) = match *green {
+        Green::Windows { ref green_s } => (joined(green_s), until_s),
+        Green::Cycle {
+            cycle_s, green_s, ..
+        } if green_s >= cycle_s => (vec![ALWAYS_S], until_s),
         Green::Cycle {
             cycle_s,
             green_from_s,
             green_s,
         } => {
             let first = (-green_from_s / cycle_s).floor() - 1.0;
-            let count = (HORIZON_S / cycle_s).ceil() + 2.0;
-            (0..count as usize)
-                .map(|k| green_from_s + (first + k as f64) * cycle_s)
-                .map(|from_s| [from_s, from_s + green_s])
-                .collect()
+            // The first two begin before the trip.
+            let count = ((until_s / cycle_s).ceil() + 2.0).min(most as f64);
+            let from_s = |k: usize| green_from_s + (first + k as f64) * cycle_s;
+            let windows = (0..count as usize).map(|k| [from_s(k), from_s(k) + green_s]);
+            (windows.collect(), from_s(count as usize))
         }
     };
     let count = whole.len();
@@ -128,7 +170,19 @@ fn windows(green: &Green) -> (Vec<[f64; 2]>, usize) {
         .filter(|[from_s, to_s]| from_s < to_s)
         .collect();
     let dropped = count - within.len();
-    (within, dropped)
+    (within, dropped, laid_until_s)
+}
+
+/// Windows of which one begins where the one before ends are one: between them the light does not change.
+fn joined(green_s: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut joined: Vec<[f64; 2]> = Vec::with_capacity(green_s.len());
+    for &[from_s, to_s] in green_s {
+        match joined.last_mut() {
+            Some(last) if from_s <= last[1] => last[1] = to_s,
+            _ => joined.push([from_s, to_s]),
+        }
+    }
+    joined
 }
 
 /// Elevation over distance of a slope that is linear between its points.
@@ -154,4 +208,39 @@ fn climbed(slope: &[SlopeAt], length_m: f64) -> Vec<(f64, f64)> {
         points.push(((k as f64 + 1.0) * step_m, elevation_m));
     }
     points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cycle(cycle_s: f64, green_from_s: f64, green_s: f64) -> Green {
+        Green::Cycle {
+            cycle_s,
+            green_from_s,
+            green_s,
+        }
+    }
+
+    #[test]
+    fn a_margin_is_kept_where_the_light_changes_and_nowhere_else() {
+        let touching = Green::Windows {
+            green_s: vec![[0.0, 100.0], [100.0, 300.0], [301.0, 302.0]],
+        };
+        assert_eq!(windows(&touching, 1e4, 9), (vec![[1.0, 299.0]], 1, 1e4));
+        let (always, dropped, _) = windows(&cycle(60.0, 5.0, 60.0), 1e4, 9);
+        assert_eq!((always.len(), dropped), (1, 0));
+        assert!(always[0][0] < -1e8 && always[0][1] > 1e8);
+    }
+
+    #[test]
+    fn cycles_cover_the_trip_within_a_number_of_windows() {
+        for from_s in [-1e9, -7.0, 0.0, 15.0, 1e9] {
+            let (laid, _, until_s) = windows(&cycle(60.0, from_s, 30.0), 3600.0, 1000);
+            assert!(laid[0][0] < 0.0 && until_s >= 3600.0, "{from_s}: {laid:?}");
+            assert!(laid.len() <= 62, "{}", laid.len());
+        }
+        let (laid, _, until_s) = windows(&cycle(4.0, 0.0, 3.0), 1e9, 1000);
+        assert!(laid.len() == 1000 && until_s < 4000.0);
+    }
 }

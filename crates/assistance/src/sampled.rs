@@ -46,7 +46,8 @@ impl SampledPlan {
                 node += 1;
             }
             // Where the car stands, time passes at the node.
-            let since_s = (time_s - run.arrival_s[node] - run.stood_s[node]).max(0.0);
+            let moves_s = time_s - run.arrival_s[node] - run.stood_s[node];
+            let since_s = moves_s.max(0.0);
             let (v0, v1) = (run.speed_mps[node], run.speed_mps[node + 1]);
             let length_m = columns.position_m[node + 1] - columns.position_m[node];
             let takes_s = 2.0 * length_m / (v0 + v1);
@@ -56,7 +57,11 @@ impl SampledPlan {
             sampled
                 .position_m
                 .push(columns.position_m[node] + 0.5 * (v0 + speed) * share * takes_s);
-            sampled.slope_rad.push(columns.slope_rad[node]);
+            sampled.slope_rad.push(if moves_s < 0.0 {
+                problem.node_slope_rad(node)
+            } else {
+                columns.slope_rad[node]
+            });
             sampled
                 .limit_mps
                 .push(f64::max(columns.max_mps[node], columns.max_mps[node + 1]));

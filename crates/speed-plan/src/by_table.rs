@@ -51,7 +51,12 @@ pub(crate) fn plan_by_table(problem: &Problem, demand: Demand) -> Result<Answer,
         }
     };
     let path = by_price.path(price_w, None);
-    let lower_bound_j = by_price.lower_bound_j(&path, price_w, drive.time_s());
+    // Of plans that arrive no later than this one, or than was asked for.
+    let latest_s = match demand {
+        Demand::Price(_) => drive.time_s(),
+        Demand::Arrival(latest_s) => latest_s,
+    };
+    let lower_bound_j = by_price.lower_bound_j(&path, price_w, latest_s);
     let scale_j = drive.scale_j();
     Ok(Answer::Plan(Box::new(Plan {
         arrival,
@@ -137,7 +142,8 @@ impl ByPrice<'_> {
         )
     }
 
-    /// A mix of two plans in the squared speeds that arrives at a time between theirs: limits are linear there.
+    /// A mix of two plans in the squared speeds that arrives at a time between theirs; the fast one where accelerations that are given over the
+    /// speed do not allow it. Other limits are linear there.
     fn mixed(&self, fast: &Drive, slow: &Drive, latest_s: f64) -> Drive {
         let mix = |share: f64| {
             let both = fast.z.iter().zip(&slow.z);
@@ -156,7 +162,7 @@ impl ByPrice<'_> {
             }
         }
         let mixed = mix(low);
-        if mixed.energy_j.is_finite() {
+        if mixed.energy_j.is_finite() && self.problem.keeps_envelope(&mixed.z) {
             mixed
         } else {
             fast.clone()
@@ -164,7 +170,7 @@ impl ByPrice<'_> {
     }
 
     /// As of [`crate::bound`], with the slopes of the cost that is left as potentials and minima by raster and zoom.
-    fn lower_bound_j(&self, path: &Option<Path>, price_w: f64, time_s: f64) -> f64 {
+    fn lower_bound_j(&self, path: &Option<Path>, price_w: f64, latest_s: f64) -> f64 {
         let Some(path) = path else {
             return f64::NEG_INFINITY;
         };
@@ -181,7 +187,7 @@ impl ByPrice<'_> {
         let stands: f64 = (0..last)
             .map(|k| problem.columns.dwell_s[k] * (problem.standing_power_w(k) + price_w))
             .sum();
-        steps + ends + stands - price_w * time_s
+        steps + ends + stands - price_w * latest_s
     }
 
     fn least_j(&self, step: usize, price_w: f64, p: [f64; 2], at: [f64; 2]) -> f64 {

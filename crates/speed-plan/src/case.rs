@@ -4,6 +4,7 @@ use ev_energy::{
     BatterySpec, MotorLossSpec, MotorSpec, RegenerationSpec, RoadLoadSpec, Vehicle, VehicleSpec,
 };
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::envelope::{Envelope, EnvelopePoint};
 use crate::error::Error;
@@ -25,6 +26,7 @@ pub struct Case {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CaseSpec {
     schema: String,
     #[serde(default)]
@@ -45,9 +47,17 @@ struct CaseSpec {
     #[serde(default)]
     earliest_passage_s: Vec<Option<f64>>,
     latest_arrival_s: Option<f64>,
+    /// Where `earliest_passage_s` comes from; what it says by itself is not planned for.
+    leader: Option<IgnoredAny>,
+    /// What is expected of a plan, and words about it.
+    #[serde(default, rename = "expect")]
+    _expect: IgnoredAny,
+    #[serde(default, rename = "notes")]
+    _notes: IgnoredAny,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct AccelSpec {
     speed_mps: f64,
     accel_min_mps2: f64,
@@ -55,18 +65,21 @@ struct AccelSpec {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct StopSpec {
     node: usize,
     dwell_s: f64,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct SignalSpec {
     node: usize,
     green: Vec<[f64; 2]>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CarSpec {
     mass_kg: f64,
     rotating_inertia_kg_m2: f64,
@@ -81,6 +94,7 @@ struct CarSpec {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CoastDownSpec {
     constant_n: f64,
     linear_n_per_mps: f64,
@@ -88,6 +102,7 @@ struct CoastDownSpec {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CarMotorSpec {
     max_torque_nm: f64,
     max_power_w: f64,
@@ -101,6 +116,7 @@ struct CarMotorSpec {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CarBatterySpec {
     open_circuit_voltage_v: f64,
     resistance_ohm: f64,
@@ -116,15 +132,21 @@ impl Case {
             file: file.to_owned(),
             source,
         })?;
+        let refused = |problem: String| Error::Case {
+            file: file.to_owned(),
+            source: serde::de::Error::custom(problem),
+        };
         if spec.schema != "drivekit/planning-vector/1" {
-            let problem = format!(
+            return Err(refused(format!(
                 "the schema is `{}`, expected `drivekit/planning-vector/1`",
                 spec.schema
-            );
-            return Err(Error::Case {
-                file: file.to_owned(),
-                source: serde::de::Error::custom(problem),
-            });
+            )));
+        }
+        if spec.leader.is_some() && spec.earliest_passage_s.is_empty() {
+            return Err(refused(
+                "a leader without `earliest_passage_s`; give when each node can be passed behind it"
+                    .to_owned(),
+            ));
         }
         let points = spec.accel_envelope.iter().map(|point| EnvelopePoint {
             speed_mps: point.speed_mps,

@@ -32,6 +32,14 @@ pub enum Error {
         /// What is wrong with it, and what is allowed.
         problem: &'static str,
     },
+    /// Something on the road cannot be as it is.
+    #[error("at {position_m:.2} m: {problem}")]
+    Place {
+        /// Where, m from the start.
+        position_m: f64,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A setting is out of range.
     #[error("`{name}` is {value}: {expected}")]
     Setting {

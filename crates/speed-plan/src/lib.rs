@@ -11,7 +11,8 @@
 //!
 //! [`Road::columns`] lays the nodes, [`Problem::new`] checks them with a car and an [`Envelope`] of accelerations, and [`plan`]
 //! answers: a [`Plan`] or the [`Obstacle`] in its way. Limits, stops, accelerations and the arrival are kept exactly. Every plan
-//! carries `lower_bound_j`: no motion on these nodes takes less energy. Where losses are a formula it is proven, but for rounding.
+//! carries `lower_bound_j`: no motion on these nodes that arrives no later takes less energy (for a demanded arrival: by then). Where losses are a
+//! formula it is proven, but for rounding.
 //!
 //! ```
 //! use ev_energy::{StepModel, Vehicle};
@@ -164,8 +165,14 @@ fn plan_from(
     };
     within(name, value, 1e9, "0 to 10⁹")?;
     within("max_gap_pct", settings.max_gap_pct, 100.0, "0 to 100 %")?;
-    match problem.model().formula() {
+    let mut answer = match problem.model().formula() {
         Some(formula) => search::Search::new(problem, formula, demand, *settings, near).run(),
         None => by_table::plan_by_table(problem, demand),
+    }?;
+    if let Answer::Plan(plan) = &mut answer
+        && !plan.lower_bound_j.is_finite()
+    {
+        plan.proof = Proof::Missing;
     }
+    Ok(answer)
 }

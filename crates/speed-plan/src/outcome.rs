@@ -1,5 +1,7 @@
 use std::fmt;
 
+use crate::problem::Problem;
+
 /// What came of a problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Obstacle {
@@ -49,6 +51,42 @@ pub enum Obstacle {
     },
 }
 
+impl Obstacle {
+    /// In words, with places and windows of the problem.
+    #[must_use]
+    pub fn words(&self, problem: &Problem) -> String {
+        let Self::SignalsUnreachable {
+            node,
+            earliest_s,
+            latest_s,
+        } = *self
+        else {
+            return self.to_string();
+        };
+        let columns = problem.columns();
+        let at_m = columns.position_m[node];
+        let of_node = columns.signals.iter().find(|signal| signal.node == node);
+        let windows = of_node.map_or(&[][..], |signal| &signal.green_s);
+        let reached =
+            format!("the signal at {at_m:.1} m is reached after {earliest_s:.1} s at the earliest");
+        match windows.iter().find(|window| window[1] >= earliest_s) {
+            Some([from_s, _]) if *from_s > latest_s => format!(
+                "{reached}, has to be passed by {latest_s:.1} s, and turns green after {from_s:.1} s; allow to arrive {:.1} s later",
+                from_s - latest_s
+            ),
+            Some([from_s, to_s]) => format!(
+                "{reached} and no way was found to pass it from {from_s:.1} to {to_s:.1} s; allow a later arrival or give other windows"
+            ),
+            None => match windows.last() {
+                Some([_, to_s]) => format!(
+                    "{reached} and is red for good after {to_s:.1} s; give later green windows"
+                ),
+                None => format!("{reached} and is never green; give green windows"),
+            },
+        }
+    }
+}
+
 impl fmt::Display for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -66,7 +104,7 @@ impl fmt::Display for Obstacle {
                 latest_s,
             } => write!(
                 f,
-                "the signal at node {node} can be passed from {earliest_s:.1} s on and has to be by {latest_s:.1} s, when it is red; allow a later arrival"
+                "the signal at node {node} is reached after {earliest_s:.1} s at the earliest and red from then on for as long as it may be passed ({latest_s:.1} s)"
             ),
             Self::CannotStop {
                 position_m,
@@ -89,8 +127,9 @@ impl fmt::Display for Obstacle {
                 slope_rad,
             } => write!(
                 f,
-                "at {position_m:.1} m the road climbs by {:.1} %, which motor or battery cannot hold at the slowest speed",
-                100.0 * slope_rad.tan()
+                "from {position_m:.1} m on, at a slope of {:.1} %, motor or battery cannot reach or hold the slowest speed; take a stronger car, or check slope and vehicle",
+                // Without a sign where it is level.
+                100.0 * slope_rad.tan() + 0.0
             ),
         }
     }

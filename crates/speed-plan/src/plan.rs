@@ -65,6 +65,8 @@ pub enum Proof {
     Proven,
     /// Minima were searched numerically.
     Numerical,
+    /// There is none: it is −∞.
+    Missing,
 }
 
 /// A speed over the road, and how much less any other could take.
@@ -80,11 +82,11 @@ pub struct Plan {
     pub price_w: f64,
     /// Price of time of every step, W.
     pub step_price_w: Vec<f64>,
-    /// No plan takes less energy, J.
+    /// No plan that arrives no later than this one takes less energy, or none that arrives by the time that was asked for, J.
     pub lower_bound_j: f64,
     /// Energy above the bound in % of the larger of |energy| and a tenth of the sum of the steps' |energy|.
     pub gap_pct: f64,
-    /// Whether the bound was proven.
+    /// How far the bound can be trusted.
     pub proof: Proof,
     /// Problems that were solved on the way.
     pub solved: usize,

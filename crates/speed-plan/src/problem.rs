@@ -192,6 +192,18 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Whether squared speeds keep the accelerations of the envelope, but for rounding.
+    pub(crate) fn keeps_envelope(&self, z: &[f64]) -> bool {
+        const ROUNDING_MPS2: f64 = 1e-7;
+        self.steps.iter().zip(z.windows(2)).all(|(step, ends)| {
+            let accel = (ends[1] - ends[0]) / (2.0 * step.length_m());
+            let speed_mps = mean_speed(ends[0], ends[1]);
+            let least = self.envelope.min_at(speed_mps).accel_mps2;
+            let most = self.envelope.max_at(speed_mps).accel_mps2;
+            (least - ROUNDING_MPS2..=most + ROUNDING_MPS2).contains(&accel)
+        })
+    }
+
     pub(crate) fn min_accel(&self, speed_mps: f64) -> f64 {
         self.envelope.min_at(speed_mps).accel_mps2
     }

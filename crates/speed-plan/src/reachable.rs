@@ -1,7 +1,7 @@
 use crate::outcome::Obstacle;
 use crate::problem::{Problem, mean_speed};
 
-/// Down to the square of 0.5 m/s a lowest speed gives way where the car cannot be that fast yet.
+/// Down to the square of 0.5 m/s a lowest speed gives way where the car cannot be that fast yet, or no longer.
 const CRAWL_Z: f64 = 0.25 * (1.0 - 1e-9);
 
 /// Squared speeds in m²/s² that a plan can have at every node: some plan within limits and accelerations passes each of them.
@@ -19,7 +19,7 @@ impl Reachable {
         Self::within(problem, problem.min_z.clone(), problem.max_z.clone(), 1.0)
     }
 
-    /// Between other squared speeds, with a share of the accelerations that are allowed.
+    /// Between other squared speeds, with a share of the accelerations that are allowed. Lowest speeds give way where the fastest plan is slower.
     pub(crate) fn within(
         problem: &Problem,
         mut low: Vec<f64>,
@@ -29,15 +29,12 @@ impl Reachable {
         let beyond =
             |step, here, direction, limits| beyond(problem, share, step, here, direction, limits);
         let nodes = problem.nodes();
+        give_way(problem, share, &mut low, &high);
         for k in 1..nodes {
             let step = k - 1;
             let fastest = beyond(step, high[step], Direction::Forward, Limits::Strongest);
             if fastest < low[k] {
-                let gives_way = fastest >= CRAWL_Z && low[k] < high[k];
-                if !gives_way {
-                    return Err(too_slow(problem, step, high[step]));
-                }
-                low[k] = fastest;
+                return Err(too_slow(problem, step, high[step]));
             }
             high[k] = high[k].min(fastest);
             let slowest = beyond(step, low[step], Direction::Forward, Limits::Braking);
@@ -69,7 +66,9 @@ impl Reachable {
     pub(crate) fn outer(self, problem: &Problem, asked: [&[f64]; 2], may_stand: &[usize]) -> Self {
         let nodes = problem.nodes();
         let [asked_low, asked_high] = asked;
-        let lowest = |node: usize| asked_low[node].min(self.low[node]);
+        // Lowest speeds give way where they do without a stand, and where the car stands before or after.
+        let beside_stands = beside_stands(problem, may_stand, asked_high);
+        let lowest = |node: usize| asked_low[node].min(self.low[node]).min(beside_stands[node]);
         // No end is faster than the largest acceleration of the envelope takes it.
         let mut fastest = asked_high[0];
         let steep_z: Vec<f64> = (0..nodes - 1)
@@ -89,7 +88,7 @@ impl Reachable {
         let passing_or_standing = |node: usize, low: f64| {
             if may_stand.contains(&node) { 0.0 } else { low }
         };
-        let mut low = asked_low.to_vec();
+        let mut low: Vec<f64> = (0..nodes).map(lowest).collect();
         let mut high = asked_high.to_vec();
         // The squared speed at the other end of a step, or what no acceleration at any speed goes beyond.
         let ends = |step: usize, low: &[f64], high: &[f64], here: f64, direction, limits| {
@@ -117,11 +116,8 @@ impl Reachable {
                 (Direction::Backward, Limits::Strongest) => (here - reach * max).max(0.0),
             }
         };
-        // Where the lowest speed is beyond the fastest after a stand, it gives way, as where it did without one.
-        let mut after_stand = f64::INFINITY;
         for k in 1..nodes {
             let step = k - 1;
-            low[k] = low[k].min(self.low[k]);
             let fastest = ends(
                 step,
                 &low,
@@ -131,19 +127,6 @@ impl Reachable {
                 Limits::Strongest,
             );
             high[k] = high[k].min(fastest);
-            let here = passing_or_standing(step, after_stand);
-            after_stand = if here < high[step] {
-                beyond(
-                    problem,
-                    1.0,
-                    step,
-                    here,
-                    Direction::Forward,
-                    Limits::Strongest,
-                )
-            } else {
-                f64::INFINITY
-            };
             let before = passing_or_standing(step, low[step]);
             let braked = ends(
                 step,
@@ -153,7 +136,7 @@ impl Reachable {
                 Direction::Forward,
                 Limits::Braking,
             );
-            low[k] = low[k].min(after_stand).max(braked).min(high[k]);
+            low[k] = low[k].max(braked).min(high[k]);
         }
         for step in (0..nodes - 1).rev() {
             let next = passing_or_standing(step + 1, low[step + 1]);
@@ -218,6 +201,67 @@ impl Reachable {
     pub(crate) fn is_fixed(&self, node: usize) -> bool {
         self.high[node] - self.low[node] <= 1e-9 * (1.0 + self.high[node])
     }
+}
+
+/// Lowers squared speeds to those of the fastest plan, but not below [`CRAWL_Z`], nor where they are given.
+fn give_way(problem: &Problem, share: f64, low: &mut [f64], high: &[f64]) {
+    let mut fastest = high.to_vec();
+    for k in 1..fastest.len() {
+        let reached = beyond(
+            problem,
+            share,
+            k - 1,
+            fastest[k - 1],
+            Direction::Forward,
+            Limits::Strongest,
+        );
+        fastest[k] = fastest[k].min(reached);
+    }
+    for k in (0..fastest.len() - 1).rev() {
+        let braked = beyond(
+            problem,
+            share,
+            k,
+            fastest[k + 1],
+            Direction::Backward,
+            Limits::Braking,
+        );
+        fastest[k] = fastest[k].min(braked);
+    }
+    for ((low, high), fastest) in low.iter_mut().zip(high).zip(fastest) {
+        if fastest < *low && *low < *high && fastest >= CRAWL_Z {
+            *low = fastest;
+        }
+    }
+}
+
+/// The highest squared speed at every node of cars that stand at one of several nodes before or after it; infinite where that says nothing.
+fn beside_stands(problem: &Problem, stands: &[usize], high: &[f64]) -> Vec<f64> {
+    let mut fastest = vec![f64::INFINITY; problem.nodes()];
+    if stands.is_empty() {
+        return fastest;
+    }
+    let stand_or = |node: usize, z: f64| if stands.contains(&node) { 0.0 } else { z };
+    let next = |step: usize, from: usize, z: f64, direction, limits| {
+        if z < high[from] {
+            beyond(problem, 1.0, step, z, direction, limits)
+        } else {
+            f64::INFINITY
+        }
+    };
+    let mut after = f64::INFINITY;
+    for k in 1..fastest.len() {
+        let here = stand_or(k - 1, after);
+        after = next(k - 1, k - 1, here, Direction::Forward, Limits::Strongest);
+        fastest[k] = after;
+    }
+    let mut before = f64::INFINITY;
+    for k in (0..fastest.len() - 1).rev() {
+        let here = stand_or(k + 1, before);
+        before = next(k, k + 1, here, Direction::Backward, Limits::Braking);
+        fastest[k] = fastest[k].min(before);
+    }
+    fastest
 }
 
 /// The squared speed of both ends from which on the fastest end of a step belongs to the fastest start: there limits change by no more than

@@ -14,6 +14,12 @@ const SAME_PLACE_M: f64 = 0.25;
 /// Deceleration from a start above the limit, m/s².
 const BRAKING_MPS2: f64 = 2.0;
 
+/// Steepest slope of a step, rad.
+const STEEPEST_RAD: f64 = 0.5;
+
+/// Latest time that a leader holds anybody up, s.
+const LATEST_S: f64 = 1e9;
+
 /// Lateral acceleration in curves, m/s².
 const LATERAL_MPS2: f64 = 2.0;
 
@@ -47,7 +53,7 @@ pub struct Road {
 /// The car ahead, as it is predicted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leader {
-    /// Its position in m over the time in s, in order; before the first and after the last it is nowhere.
+    /// Its position in m over the time in s, in order; after the last nothing is known of it.
     pub positions: Vec<(f64, f64)>,
     /// Gap at standstill, m.
     pub standstill_gap_m: f64,
@@ -87,40 +93,35 @@ impl Road {
     /// car stands and at most 40 m long.
     ///
     /// # Errors
-    /// [`Error::Value`] and [`Error::Setting`] for what lies beyond the road, is out of order or out of range.
+    /// [`Error::Value`], [`Error::Place`] and [`Error::Setting`] for what lies beyond the road, is out of order or out of range.
     pub fn columns(&self) -> Result<Columns, Error> {
         self.check()?;
-        let places = self.places();
-        let position_m = positions(&places);
+        let position_m = positions(&self.places());
         let nodes = position_m.len();
         let node = |at: f64| nearest(&position_m, at);
-        let mut max_mps: Vec<f64> = (0..nodes).map(|k| self.limit_at(&position_m, k)).collect();
-        let mut dwell_s = vec![0.0; nodes];
-        let lower = |max_mps: &mut f64, speed: f64| *max_mps = max_mps.min(speed);
-        for &(at, speed) in &self.slow_points {
-            lower(&mut max_mps[node(at)], speed);
-        }
-        for &[from, to, radius_m] in &self.curves {
-            let speed = (LATERAL_MPS2 * radius_m).sqrt();
-            let inside = node(from)..=node(to);
-            max_mps[inside].iter_mut().for_each(|max| lower(max, speed));
-        }
+        let mut max_mps = self.highest_mps(&position_m);
         let mut min_mps: Vec<f64> = max_mps
             .iter()
             .map(|max| self.slowest_mps.min(*max))
             .collect();
+        let mut dwell_s = vec![0.0; nodes];
         for &(at, stand_s) in &self.stops {
-            let node = node(at);
-            (min_mps[node], max_mps[node]) = (0.0, 0.0);
-            dwell_s[node] += stand_s;
+            dwell_s[node(at)] += stand_s;
+        }
+        if self.start_mps > 0.0 && dwell_s[0] > 0.0 {
+            return Err(Error::Place {
+                position_m: 0.0,
+                problem: "the car stands at the start and is to start at a speed; give a start speed of 0, or no stop there".to_owned(),
+            });
         }
         // Faster than allowed at the start, the car brakes down to it.
         for (max, at) in max_mps.iter_mut().zip(&position_m) {
             let square = self.start_mps * self.start_mps - 2.0 * BRAKING_MPS2 * at;
-            if square.max(0.0).sqrt() <= *max {
+            let braked = square.max(0.0).sqrt();
+            if braked <= *max || *max <= 0.0 {
                 break;
             }
-            *max = square.max(0.0).sqrt();
+            *max = braked;
         }
         if self.end_mps > max_mps[nodes - 1] {
             return Err(Error::Setting {
@@ -132,31 +133,101 @@ impl Road {
         for (node, speed) in [(0, self.start_mps), (nodes - 1, self.end_mps)] {
             (min_mps[node], max_mps[node]) = (speed, speed);
         }
-        let slope_rad = position_m
-            .windows(2)
-            .map(|ends| self.slope_rad(ends[0], ends[1]))
-            .collect();
-        let mut signals: Vec<Signal> = self
-            .signals
-            .iter()
-            .map(|(at, green_s)| Signal {
-                node: node(*at),
-                green_s: green_s.clone(),
-            })
-            .collect();
-        signals.sort_by_key(|signal| signal.node);
-        let earliest_s = self.leader.as_ref().map_or_else(Vec::new, |leader| {
-            position_m.iter().map(|at| leader.earliest_s(*at)).collect()
-        });
         Ok(Columns {
+            slope_rad: self.slopes_rad(&position_m)?,
+            signals: self.signals_at(&position_m)?,
+            earliest_s: self.leader.as_ref().map_or_else(Vec::new, |leader| {
+                position_m.iter().map(|at| leader.earliest_s(*at)).collect()
+            }),
             position_m,
-            slope_rad,
             min_mps,
             max_mps,
             dwell_s,
-            signals,
-            earliest_s,
         })
+    }
+
+    /// The highest speeds that limits, slow points, curves and stops allow at the start and at the end, m/s.
+    ///
+    /// # Errors
+    /// As [`columns`](Self::columns).
+    pub fn end_limits_mps(&self) -> Result<[f64; 2], Error> {
+        self.check()?;
+        let max_mps = self.highest_mps(&positions(&self.places()));
+        Ok([max_mps[0], max_mps[max_mps.len() - 1]])
+    }
+
+    /// The highest speed that is allowed at every node, m/s.
+    fn highest_mps(&self, position_m: &[f64]) -> Vec<f64> {
+        let node = |at: f64| nearest(position_m, at);
+        let nodes = 0..position_m.len();
+        let mut max_mps: Vec<f64> = nodes.map(|k| self.limit_at(position_m, k)).collect();
+        let lower = |max_mps: &mut f64, speed: f64| *max_mps = max_mps.min(speed);
+        for &(at, speed) in &self.slow_points {
+            lower(&mut max_mps[node(at)], speed);
+        }
+        for &[from, to, radius_m] in &self.curves {
+            let speed = (LATERAL_MPS2 * radius_m).sqrt();
+            let inside = node(from)..=node(to);
+            max_mps[inside].iter_mut().for_each(|max| lower(max, speed));
+        }
+        for &(at, _) in &self.stops {
+            max_mps[node(at)] = 0.0;
+        }
+        max_mps
+    }
+
+    fn slopes_rad(&self, position_m: &[f64]) -> Result<Vec<f64>, Error> {
+        let slope = |ends: &[f64]| {
+            let slope_rad = self.slope_rad(ends[0], ends[1]);
+            if slope_rad.abs() <= STEEPEST_RAD {
+                return Ok(slope_rad);
+            }
+            Err(Error::Place {
+                position_m: ends[0],
+                problem: format!(
+                    "up to {:.1} m the slope is {:.1} %, steeper than the {:.0} % that can be planned; correct elevation or slope, or smooth them",
+                    ends[1],
+                    100.0 * slope_rad.tan(),
+                    100.0 * STEEPEST_RAD.tan()
+                ),
+            })
+        };
+        position_m.windows(2).map(slope).collect()
+    }
+
+    fn signals_at(&self, position_m: &[f64]) -> Result<Vec<Signal>, Error> {
+        let mut places: Vec<(usize, f64, &Vec<[f64; 2]>)> = self
+            .signals
+            .iter()
+            .map(|(at, green_s)| (nearest(position_m, *at), *at, green_s))
+            .collect();
+        places.sort_by_key(|place| place.0);
+        let fail = |position_m, problem| {
+            Err(Error::Place {
+                position_m,
+                problem,
+            })
+        };
+        if let Some(&(0, at, _)) = places.first() {
+            return fail(
+                at,
+                "a signal at the start, which the car has passed; leave it out".to_owned(),
+            );
+        }
+        if let Some(pair) = places.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return fail(
+                pair[1].1,
+                format!(
+                    "a signal nearer than {SAME_PLACE_M} m to the one at {:.2} m; give one with the windows in which both are green",
+                    pair[0].1
+                ),
+            );
+        }
+        let signals = places.into_iter().map(|(node, _, green_s)| Signal {
+            node,
+            green_s: green_s.clone(),
+        });
+        Ok(signals.collect())
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -218,9 +289,9 @@ impl Road {
             (
                 "elevation",
                 &self.elevation,
-                -1e4,
-                1e4,
-                "an elevation within ±10 km",
+                -1e6,
+                1e6,
+                "an elevation within ±1000 km",
             ),
         ];
         for (channel, values, min, max, problem) in pairs {
@@ -259,12 +330,20 @@ impl Road {
         for (index, &[from, to, radius_m]) in self.curves.iter().enumerate() {
             on_road("curves", index, from)?;
             on_road("curves", index, to)?;
-            if from > to || !(1.0..=1e6).contains(&radius_m) {
+            if from > to {
                 return Err(Error::Value {
                     channel: "curves",
                     index,
-                    value: radius_m,
-                    problem: "a curve begins before it ends and has a radius of 1 m to 1000 km",
+                    value: from,
+                    problem: "a curve begins before it ends",
+                });
+            }
+            if !(radius_m >= 1.0 && radius_m.is_finite()) {
+                return Err(Error::Place {
+                    position_m: from,
+                    problem: format!(
+                        "a curve with a radius of {radius_m} m; give 1 m or more, or a slow point"
+                    ),
                 });
             }
         }
@@ -360,7 +439,8 @@ impl Leader {
         Ok(())
     }
 
-    /// When the car can pass a position at the earliest, s.
+    /// When the car can pass a position at the earliest, s. Beyond the last position of the leader that is his last time: until then he is known
+    /// to be before it.
     fn earliest_s(&self, at: f64) -> f64 {
         let target_m = at + self.standstill_gap_m;
         let positions = &self.positions;
@@ -373,8 +453,9 @@ impl Leader {
             (Some((t0, s0)), Some(&(t1, s1))) => {
                 t0 + (target_m - s0) / (s1 - s0) * (t1 - t0) + self.headway_s
             }
-            // Before the first position and after the last there is no bound.
-            _ => NO_LEADER_S,
+            (Some((last_s, _)), None) => (last_s + self.headway_s).min(LATEST_S),
+            // He begins ahead of it.
+            (None, _) => NO_LEADER_S,
         }
     }
 }

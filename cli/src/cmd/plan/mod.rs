@@ -1,4 +1,5 @@
 mod certify;
+mod leader;
 mod own;
 mod picture;
 mod potential;
@@ -238,7 +239,26 @@ fn planned(
             )?,
         }
     }
+    if let Some(finding) = beyond_leader(source, &body) {
+        output::note(context, &finding);
+        body.findings.push(finding);
+    }
     Ok(body)
+}
+
+/// Said where plans are still under way when nothing is known of the leader any more.
+fn beyond_leader(source: &Source, body: &Body) -> Option<String> {
+    let road = source.road.as_ref()?;
+    let last = road.leader.last()?;
+    let plans = body.plans.iter().map(|plan| plan.run.time_s);
+    let frontier = body.frontier.iter().map(|point| point.time_s);
+    let latest_s = plans.chain(frontier).fold(0.0, f64::max);
+    (last.position_m < road.length_m && latest_s > last.time_s).then(|| {
+        format!(
+            "the leader is at {:.1} m after {:.1} s; what it does after that is not known and holds nobody up",
+            last.position_m, last.time_s
+        )
+    })
 }
 
 fn add_frontier(
@@ -301,10 +321,10 @@ fn add_plan(
             }
         }
         Answer::Obstacle(obstacle) => {
-            body.obstacle = Some(ObstacleDocument::new(problem, obstacle));
             if args.output.is_some() {
-                bail!("there is no plan to write: {obstacle}");
+                bail!("there is no plan to write: {}", obstacle.words(problem));
             }
+            body.obstacle = Some(ObstacleDocument::new(problem, obstacle));
         }
     }
     Ok(())

@@ -1,20 +1,23 @@
 //! What is planned for: a road file, a log, or a problem on a grid of its own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use assistance::{RoadSettings, planned_road};
-use driver_model::road::{DrawnRoad, LeaderAt, RoadFile};
+use driver_model::road::{DrawnRoad, RoadFile};
 use ev_energy::{DEFAULT_SLOPE_BANDWIDTH_M, Vehicle};
 use speed_plan::{Case, Columns, Envelope};
 
-use super::PlanArgs;
+use super::{PlanArgs, leader};
 use crate::cmd::motions::motions;
 use crate::cmd::phases::vehicle;
 use crate::flags::{Context, LogArgs, ReadingArgs};
 use crate::inputs::files::FileInputs;
 use crate::inputs::{self, Inputs};
 use crate::output;
+
+/// The layout where none is named.
+const AUTO: &str = "auto";
 
 /// The car where none is named.
 const DEFAULT_VEHICLE: &str = "b250e";
@@ -47,6 +50,7 @@ impl Source {
                 args.road.len()
             ),
             (None, [road]) if is_road_file(road) => {
+                of_logs_only(args, road)?;
                 let file = RoadFile::read(road)?;
                 let name = road.display().to_string();
                 let inputs = SourceInputs::Files(FileInputs::read([road.clone()])?);
@@ -62,6 +66,22 @@ fn is_road_file(path: &Path) -> bool {
     extension.eq_ignore_ascii_case("toml") || extension.eq_ignore_ascii_case("json")
 }
 
+/// Refuses flags that say how a log is read.
+fn of_logs_only(args: &PlanArgs, path: &Path) -> anyhow::Result<()> {
+    let given = [
+        ("--layout", args.layout != AUTO),
+        ("--limit-map", args.limit_map.is_some()),
+    ];
+    match given.iter().find(|(_, given)| *given) {
+        Some((flag, _)) => bail!("{flag} is for logs; `{}` is none", path.display()),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn text_of(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))
+}
+
 fn of_case(args: &PlanArgs, path: &Path) -> anyhow::Result<Source> {
     let given = [
         ("--vehicle", args.vehicle.is_some()),
@@ -73,8 +93,9 @@ fn of_case(args: &PlanArgs, path: &Path) -> anyhow::Result<Source> {
     if let Some((flag, _)) = given.iter().find(|(_, given)| *given) {
         bail!("{flag} is for roads; `{}` says it itself", path.display());
     }
+    of_logs_only(args, path)?;
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
+    let text = text_of(path)?;
     let case = Case::from_json(&text, &name)?;
     Ok(Source {
         vehicle: case.vehicle,
@@ -128,10 +149,10 @@ fn of_road(
     context: &Context,
 ) -> anyhow::Result<Source> {
     if let Some(path) = &args.signals {
-        file.signals = signals(path, file.length_m)?;
+        file = file.with_signals_of_json(&text_of(path)?, &path.display().to_string())?;
     }
     if let Some(path) = &args.leader {
-        file.leader = leader(path)?;
+        file.leader = leader::read(path)?;
         file = file.checked(&path.display().to_string())?;
     }
     let mut settings = RoadSettings::default();
@@ -167,36 +188,4 @@ pub(super) fn chosen_vehicle(args: &PlanArgs, context: &Context) -> anyhow::Resu
         DEFAULT_VEHICLE
     });
     vehicle(chosen)
-}
-
-/// Signals of a JSON list, read as those of a road file are.
-fn signals(path: &PathBuf, length_m: f64) -> anyhow::Result<Vec<driver_model::road::Signal>> {
-    let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
-    let road = format!("{{\"length_m\": {length_m}, \"signals\": {text}\n}}");
-    Ok(RoadFile::from_json(&road, &name)?.signals)
-}
-
-/// Positions of a leader from a CSV file with the columns `time_s` and `position_m`.
-fn leader(path: &PathBuf) -> anyhow::Result<Vec<LeaderAt>> {
-    let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{name}`"))?;
-    let mut lines = text.lines().enumerate();
-    let header = lines.next().map(|(_, line)| line.replace(' ', ""));
-    if header.as_deref() != Some("time_s,position_m") {
-        bail!("{name}, line 1: expected the header `time_s,position_m`");
-    }
-    lines
-        .filter(|(_, line)| !line.trim().is_empty())
-        .map(|(index, line)| {
-            let values: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
-            match values.as_deref() {
-                Ok(&[time_s, position_m]) => Ok(LeaderAt { time_s, position_m }),
-                _ => bail!(
-                    "{name}, line {}: expected two numbers, found `{line}`",
-                    index + 1
-                ),
-            }
-        })
-        .collect()
 }

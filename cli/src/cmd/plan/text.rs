@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use assistance::{Band, Bound, PlanDocument, PlanOutcome, RunDocument, Style};
+use assistance::{Band, Bound, PlanDocument, PlanOutcome, RoadDocument, RunDocument, Style};
 use ev_energy::JOULES_PER_KWH;
 use report::terminal::{Table, number};
 
@@ -34,7 +34,7 @@ pub(super) fn text(body: &Body) -> String {
         );
     }
     for plan in &body.plans {
-        let _ = write!(text, "\n{}", summary(plan));
+        let _ = write!(text, "\n{}", summary(plan, road));
         text.extend(plan.certificate.as_ref().map(certify::text));
         text.push_str(&beside(plan, body.own.as_ref()));
         let _ = write!(text, "\n{}", course(&plan.run).render());
@@ -54,12 +54,18 @@ pub(super) fn text(body: &Body) -> String {
     text
 }
 
-fn summary(plan: &PlanDocument) -> String {
+fn summary(plan: &PlanDocument, road: &RoadDocument) -> String {
     let kwh = |energy_j: f64| energy_j / JOULES_PER_KWH;
     let mut text = format!(
-        "arrives after {:.1} s (earliest {:.1} s){}\n",
+        "arrives after {:.1} s (earliest {:.1} s{}){}\n",
         plan.run.time_s,
         plan.earliest_arrival_s,
+        match (road.signals > 0, road.leader) {
+            (true, true) => " without lights and leader",
+            (true, false) => " without lights",
+            (false, true) => " without the leader",
+            (false, false) => "",
+        },
         match plan.outcome {
             PlanOutcome::Early => ", before it has to: later would not be cheaper",
             PlanOutcome::Optimal => "",
@@ -71,16 +77,28 @@ fn summary(plan: &PlanDocument) -> String {
         kwh(plan.run.energy_j),
         plan.run.consumption_kwh_per_100km
     );
-    let _ = writeln!(
-        text,
-        "no other plan takes less than {:.4} kWh: a gap of {:.4} % ({})",
-        kwh(plan.lower_bound_j),
-        plan.gap_pct,
-        match plan.bound {
-            Bound::Proven => "proven",
-            Bound::Numerical => "searched numerically",
-        }
-    );
+    let proof = match plan.bound {
+        Bound::Proven => Some("proven"),
+        Bound::Numerical => Some("searched numerically"),
+        Bound::Missing => None,
+    };
+    let _ = match proof {
+        Some(proof) => writeln!(
+            text,
+            "no other plan that arrives {} takes less than {:.4} kWh: a gap of {:.4} % ({proof})",
+            if plan.latest_arrival_s.is_some() {
+                "by then"
+            } else {
+                "no later"
+            },
+            kwh(plan.lower_bound_j),
+            plan.gap_pct
+        ),
+        None => writeln!(
+            text,
+            "no bound was found: how much less another plan could take is not known"
+        ),
+    };
     let _ = writeln!(
         text,
         "a second later at the end saves {:.2} kJ; sampled at 10 Hz it takes {:+.3} %; jerk {:.2} m/s³ (95 %), {:.2} m/s³ at most",
@@ -126,11 +144,16 @@ fn beside(plan: &PlanDocument, own: Option<&RunDocument>) -> String {
         Band::Assumed => "assumed",
     };
     let saved_j = own.energy_j - plan.run.energy_j;
+    let later_s = plan.run.time_s - own.time_s;
     let mut text = format!(
-        "{style}: {} {:.1} % beside his own way, {:+.1} s later\n",
+        "{style}: {} {:.1} % beside his own way, {}\n",
         if saved_j < 0.0 { "costs" } else { "saves" },
         100.0 * saved_j.abs() / own.energy_j.abs().max(1.0),
-        plan.run.time_s - own.time_s
+        if later_s.abs() < 0.05 {
+            "in the same time".to_owned()
+        } else {
+            format!("{later_s:+.1} s later")
+        }
     );
     let _ = writeln!(
         text,

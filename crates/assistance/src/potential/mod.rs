@@ -101,9 +101,7 @@ impl std::ops::AddAssign for Potential {
         self.turned_over_j += other.turned_over_j;
         self.faster_than_limit_s += other.faster_than_limit_s;
         self.limited_s += other.limited_s;
-        if other.bound == Bound::Numerical {
-            self.bound = Bound::Numerical;
-        }
+        self.bound = self.bound.max(other.bound);
     }
 }
 
@@ -212,6 +210,7 @@ pub fn potential(
         bound: match plan.proof {
             Proof::Proven => Bound::Proven,
             Proof::Numerical => Bound::Numerical,
+            Proof::Missing => Bound::Missing,
         },
         turned_over_j: own.turned_over_j,
         faster_than_limit_s: legs.faster_than_limit_s(),

@@ -91,9 +91,11 @@ impl<'a> InteriorPoint<'a> {
             barrier_j,
         };
         for step in 0..nodes - 1 {
-            this.bounds[step][COMFORT].active = true;
-            this.bounds[step][BRAKING].active = true;
-            this.bounds[step][STRONGEST].active = this.may_be_strongest(step);
+            // Between ends that are given nothing can move, and bounds may have no slack to divide by.
+            let moves = !(this.fixed[step] && this.fixed[step + 1]);
+            this.bounds[step][COMFORT].active = moves;
+            this.bounds[step][BRAKING].active = moves;
+            this.bounds[step][STRONGEST].active = moves && this.may_be_strongest(step);
         }
         for k in 0..nodes {
             if this.fixed[k] {
@@ -211,12 +213,8 @@ impl<'a> InteriorPoint<'a> {
     }
 
     fn slacks_are_positive(&self) -> bool {
-        let free = |k: usize| !(self.fixed[k] && self.fixed[k + 1]);
-        (0..self.bounds.len()).filter(|&k| free(k)).all(|k| {
-            self.bounds[k]
-                .iter()
-                .all(|bound| !bound.active || bound.slack > 0.0)
-        })
+        let mut bounds = self.bounds.iter().flatten();
+        bounds.all(|bound| !bound.active || bound.slack > 0.0)
     }
 
     fn passing_time(&self, bound: &TimeBound) -> f64 {
@@ -341,14 +339,10 @@ impl<'a> InteriorPoint<'a> {
                 add(self.reachable.high[k] - self.z[k]);
             }
         }
-        for k in 0..self.bounds.len() {
-            if self.fixed[k] && self.fixed[k + 1] {
-                continue;
-            }
-            for bound in self.bounds[k].iter().filter(|bound| bound.active) {
-                add(bound.slack);
-            }
-        }
+        let bounds = self.bounds.iter().flatten();
+        bounds
+            .filter(|bound| bound.active)
+            .for_each(|bound| add(bound.slack));
         for wait in &self.waits {
             add(wait.slack);
         }

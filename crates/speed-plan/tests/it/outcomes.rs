@@ -220,3 +220,62 @@ fn demands_and_settings_out_of_range_are_named() {
         assert!(error.to_string().contains(name), "{error}");
     }
 }
+
+#[test]
+fn above_the_limit_at_the_start_there_is_one_motion_and_a_tight_bound() {
+    let car = vehicle("b250e");
+    for start_kmh in [51.0, 70.0, 80.0, 130.0] {
+        let road = Road {
+            start_mps: start_kmh / 3.6,
+            ..kilometre()
+        };
+        let problem = problem(&car, &road);
+        let plan = planned(&problem, Demand::Price(3000.0));
+        assert_drivable(&problem, &plan);
+        assert!(plan.gap_pct < 0.02, "{start_kmh} km/h: {} %", plan.gap_pct);
+    }
+    let road = Road {
+        start_mps: 60.0 / 3.6,
+        stops: vec![(10.0, 3.0)],
+        ..kilometre()
+    };
+    assert!(matches!(
+        obstacle(&road, Demand::Price(3000.0)),
+        Obstacle::CannotStop { position_m, .. } if position_m == 10.0
+    ));
+}
+
+#[test]
+fn a_slowest_speed_gives_way_after_and_before_stops_and_slow_places() {
+    let car = vehicle("b250e");
+    let road = Road {
+        slowest_mps: 30.0 / 3.6,
+        stops: vec![(400.0, 5.0)],
+        slow_points: vec![(700.0, 3.0)],
+        ..kilometre()
+    };
+    let problem = problem(&car, &road);
+    let plan = planned(&problem, Demand::Price(0.0));
+    assert_drivable(&problem, &plan);
+    assert!(plan.gap_pct < 0.02, "{} %", plan.gap_pct);
+    let columns = problem.columns();
+    let slow = plan.run.speed_mps.iter().zip(&columns.position_m);
+    let far = |at: f64| {
+        [0.0, 400.0, 700.0, 1000.0]
+            .iter()
+            .all(|p| (at - p).abs() > 30.0)
+    };
+    for (speed, at) in slow.filter(|(_, at)| far(**at)) {
+        assert!(*speed >= road.slowest_mps - 1e-9, "{speed} m/s at {at} m");
+    }
+    let mut lit = road.clone();
+    lit.signals = vec![(550.0, vec![[100.0, 130.0]])];
+    let problem = Problem::new(
+        StepModel::new(&car),
+        Envelope::default(),
+        lit.columns().unwrap(),
+    )
+    .unwrap();
+    let plan = planned(&problem, Demand::Price(3000.0));
+    assert_drivable(&problem, &plan);
+}

@@ -164,3 +164,72 @@ fn a_road_of_two_metres_is_one() {
     let columns = road.columns().unwrap();
     assert!(columns.position_m.len() >= 3 && columns.position_m.last() == Some(&2.0));
 }
+
+#[test]
+fn what_cannot_be_planned_is_named_with_its_place() {
+    let good = Road::default;
+    let bad = [
+        (
+            Road {
+                elevation: vec![(0.0, 0.0), (500.0, 0.0), (500.01, 200.0)],
+                ..good()
+            },
+            "slope is",
+        ),
+        (
+            Road {
+                curves: vec![[500.0, 520.0, 0.01]],
+                ..good()
+            },
+            "at 500.00 m: a curve",
+        ),
+        (
+            Road {
+                signals: vec![(0.0, vec![[20.0, 50.0]])],
+                ..good()
+            },
+            "at 0.00 m: a signal at the start",
+        ),
+        (
+            Road {
+                signals: vec![(500.0, vec![[0.0, 50.0]]), (500.1, vec![[0.0, 50.0]])],
+                ..good()
+            },
+            "at 500.10 m: a signal nearer than",
+        ),
+        (
+            Road {
+                start_mps: 5.0,
+                stops: vec![(0.0, 9.0)],
+                ..good()
+            },
+            "at 0.00 m: the car stands",
+        ),
+    ];
+    for (road, part) in bad {
+        let error = road.columns().unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_leader_is_known_to_be_before_a_place_until_his_last_time() {
+    let road = Road {
+        leader: Some(Leader {
+            positions: vec![(0.0, 30.0), (10.0, 100.0), (1000.0, 100.0)],
+            standstill_gap_m: 2.0,
+            headway_s: 1.5,
+        }),
+        stops: vec![(98.0, 0.0)],
+        ..Road::default()
+    };
+    let columns = road.columns().unwrap();
+    let bounds = columns.position_m.iter().zip(&columns.earliest_s);
+    for (&at, &earliest_s) in bounds {
+        match at {
+            at if at < 28.0 => assert!(earliest_s < 0.0),
+            at if at < 98.0 => assert!((1.5..11.5).contains(&earliest_s)),
+            _ => assert_eq!(earliest_s, 1001.5),
+        }
+    }
+}

@@ -15,6 +15,15 @@ const MOST_ENTRIES: usize = 1_000_000;
 /// Longest times, s: thirty years.
 const LONGEST_S: f64 = 1e9;
 
+/// Longest stand, s: eleven days.
+const LONGEST_STAND_S: f64 = 1e6;
+
+/// Times from one green to the next, s: up to a day.
+const CYCLE_S: std::ops::RangeInclusive<f64> = 1.0..=86_400.0;
+
+/// Green windows of one signal, at most.
+const MOST_WINDOWS: usize = 10_000;
+
 impl RoadFile {
     /// Refuses what no road has; `file` names it in errors.
     ///
@@ -170,7 +179,7 @@ impl Check<'_> {
                 &format!("stops[{number}].dwell_s"),
                 stop.dwell_s,
                 0.0,
-                LONGEST_S,
+                LONGEST_STAND_S,
                 "s",
             )?;
         }
@@ -250,9 +259,10 @@ impl Check<'_> {
                     green_s,
                 } => {
                     let place = |key: &str| format!("signals[{number}].{key}");
-                    let is_good = cycle_s > 0.0 && cycle_s <= LONGEST_S;
+                    let is_good = CYCLE_S.contains(&cycle_s);
                     self.value(&place("cycle_s"), cycle_s, is_good, || {
-                        "give the time from one green to the next, over 0 s".to_owned()
+                        "give the time from one green to the next, 1 s to a day (86400 s)"
+                            .to_owned()
                     })?;
                     self.range(
                         &place("green_from_s"),
@@ -278,6 +288,13 @@ impl Check<'_> {
             );
             return Err(not_a_road(self.file, reason));
         }
+        if green_s.len() > MOST_WINDOWS {
+            let reason = format!(
+                "signals[{signal}].green_s has {} windows, at most {MOST_WINDOWS} are read; give those of this trip, or a cycle",
+                green_s.len()
+            );
+            return Err(not_a_road(self.file, reason));
+        }
         let mut last_s = -LONGEST_S;
         for (number, &[from_s, to_s]) in green_s.iter().enumerate() {
             let place = |end: usize| format!("signals[{signal}].green_s[{number}][{end}]");
@@ -294,6 +311,10 @@ impl Check<'_> {
     }
 
     fn leader(&self, road: &RoadFile) -> Result<(), Error> {
+        if road.leader.len() == 1 {
+            let reason = "leader has one entry, which does not say how it drives; give its place at two times or more";
+            return Err(not_a_road(self.file, reason));
+        }
         let mut last = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         for (number, at) in road.leader.iter().enumerate() {
             let place = |key: &str| format!("leader[{number}].{key}");

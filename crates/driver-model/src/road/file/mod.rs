@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{LimitFrom, NODE_SPACING_M, RoadMap, RoadStop, SlopeAt, SlowPoint};
 use crate::Error;
-use text::RoadText;
+use text::{RoadText, without_mark};
 
 /// Sideways acceleration at which curves are driven, m/s².
 const CURVE_MPS2: f64 = 2.0;
@@ -141,10 +141,18 @@ impl RoadFile {
     /// # Errors
     /// As [`from_toml`](Self::from_toml).
     pub fn from_json(text: &str, file: &str) -> Result<Self, Error> {
-        let text = text.trim_start_matches('\u{feff}');
-        let parsed: RoadText =
-            serde_json::from_str(text).map_err(|e| not_a_road(file, e.to_string()))?;
+        let parsed: RoadText = serde_json::from_str(without_mark(text))
+            .map_err(|e| not_a_road(file, e.to_string()))?;
         parsed.road(file)?.checked(file)
+    }
+
+    /// With other signals, from a JSON list of them; `file` names it in errors.
+    ///
+    /// # Errors
+    /// As [`from_json`](Self::from_json).
+    pub fn with_signals_of_json(mut self, text: &str, file: &str) -> Result<Self, Error> {
+        self.signals = text::signals(text, file)?;
+        self.checked(file)
     }
 
     /// As TOML that [`from_toml`](Self::from_toml) reads back unchanged. Speeds are in km/h, unless that would change them.

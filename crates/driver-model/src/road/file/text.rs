@@ -158,6 +158,18 @@ impl RoadText {
     }
 }
 
+/// Signals of a JSON list.
+pub(super) fn signals(text: &str, file: &str) -> Result<Vec<Signal>, Error> {
+    let parsed: Vec<SignalText> = serde_json::from_str(without_mark(text))
+        .map_err(|error| not_a_road(file, format!("{error}; give a list of signals")))?;
+    each("signals", parsed, SignalText::signal).map_err(|reason| not_a_road(file, reason))
+}
+
+/// Without the byte order mark that some editors write.
+pub(super) fn without_mark(text: &str) -> &str {
+    text.trim_start_matches('\u{feff}')
+}
+
 fn list<T: Serialize>(text: &mut String, key: &str, entries: &[T]) -> Result<(), toml::ser::Error> {
     if entries.is_empty() {
         return Ok(());
