@@ -17,7 +17,7 @@ pub enum PlanOutcome {
 }
 
 /// How far the bound can be trusted, the most first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// Proven, but for rounding.
