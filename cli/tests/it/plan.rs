@@ -145,12 +145,25 @@ fn signals_and_a_leader_come_from_files() {
 fn bad_roads_and_flags_name_what_is_wrong() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("no-limit.toml"), "length_m = 500\n").unwrap();
+    fs::write(folder.path().join("one.csv"), "time_s,position_m\n0,30\n").unwrap();
     let road = fixture("roads/town-and-country.toml");
     for (arguments, parts) in [
         (vec!["no-limit.toml"], vec!["limits"]),
         (vec![], vec!["road file", "--case"]),
         (vec![&road, "--case", "x.json"], vec!["--case"]),
         (vec![&road, "--accel", "1,2"], vec!["--accel"]),
+        (
+            vec![&road, "--layout", "canonical"],
+            vec!["--layout", "logs"],
+        ),
+        (
+            vec![&road, "--limit-map", "x.geojson"],
+            vec!["--limit-map", "logs"],
+        ),
+        (
+            vec![&road, "--leader", "one.csv"],
+            vec!["one.csv", "two times"],
+        ),
         (
             vec![&road, "--arrive", "300", "--price", "3"],
             vec!["--arrive", "--price"],
@@ -162,6 +175,53 @@ fn bad_roads_and_flags_name_what_is_wrong() {
             assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
         }
     }
+}
+
+#[test]
+fn a_drive_that_ends_above_the_limit_is_planned_to_end_at_it() {
+    let folder = TempDir::new().unwrap();
+    let drive = fixture("drives/drive-02.csv");
+    let run = plan(&folder, &[&drive, "--format", "json"]).ok();
+    let document = run.json();
+    let findings = document["findings"].to_string();
+    assert!(findings.contains("the plan ends at these"), "{findings}");
+    let nodes = &document["plans"][0]["nodes"];
+    let last = |name: &str| nodes[name].as_array().unwrap().last().cloned().unwrap();
+    assert_eq!(last("speed_mps"), last("limit_mps"));
+}
+
+#[test]
+fn a_leader_that_stands_is_not_driven_through_and_a_light_is_named_by_its_place() {
+    let folder = TempDir::new().unwrap();
+    let road = fixture("roads/town-and-country.toml");
+    let stands = "time_s,position_m\n0,30\n10,100\n700,100\n";
+    fs::write(folder.path().join("leader.csv"), stands).unwrap();
+    let run = plan(
+        &folder,
+        &[
+            &road,
+            "--leader",
+            "leader.csv",
+            "--price",
+            "3000",
+            "--format",
+            "json",
+        ],
+    );
+    let document = run.json();
+    for plan in document["plans"].as_array().unwrap() {
+        assert!(plan["time_s"].as_f64().unwrap() > 700.0);
+        assert!(document["findings"].to_string().contains("holds nobody up"));
+    }
+    let lights = r#"[{"position_m": 600, "green_s": [[0, 5]]}]"#;
+    fs::write(folder.path().join("lights.json"), lights).unwrap();
+    let run = plan(&folder, &[&road, "--signals", "lights.json"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stdout.contains("the signal at 600.0 m") && run.stdout.contains("red for good"),
+        "{}",
+        run.stdout
+    );
 }
 
 #[test]
@@ -179,6 +239,17 @@ fn stated_problems_are_planned_on_their_own_grid() {
     let found = &document["plans"][0];
     assert_eq!(found["nodes"]["position_m"].as_array().unwrap().len(), 117);
     assert!((found["time_s"].as_f64().unwrap() - 230.0).abs() < 1e-5);
+    let mut case: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(zones).unwrap()).unwrap();
+    case["speeds_mps"] = 3.into();
+    fs::write(folder.path().join("case.json"), case.to_string()).unwrap();
+    let run = plan(&folder, &["--case", "case.json"]);
+    assert_eq!(run.code, 2);
+    assert!(
+        run.stderr.contains("unknown field `speeds_mps`"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]

@@ -28,8 +28,12 @@ impl SampledPlan {
     /// Samples a motion: between nodes the acceleration is constant.
     #[must_use]
     pub fn new(problem: &Problem, run: &Run) -> Self {
+        Self::every(STEP_S, problem, run)
+    }
+
+    fn every(step_s: f64, problem: &Problem, run: &Run) -> Self {
         let columns = problem.columns();
-        let count = (run.time_s / STEP_S).round().max(1.0);
+        let count = (run.time_s / step_s).round().max(1.0);
         let step_s = run.time_s / count;
         let mut sampled = Self {
             step_s,
@@ -128,5 +132,67 @@ impl SampledPlan {
             jerk.get(index).copied().unwrap_or(0.0)
         };
         [at(0.95), at(1.0)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+
+    use ev_energy::{RoadStep, Vehicle};
+    use speed_plan::{Answer, Demand, Envelope, Road, Settings, plan};
+
+    use super::*;
+
+    /// What a motion takes beyond the sum of its steps, J, if each is driven in many parts of even time.
+    fn within_steps_j(problem: &Problem, run: &Run) -> f64 {
+        const PARTS: usize = 100;
+        let steps = run.speed_mps.windows(2).zip(problem.steps()).enumerate();
+        let in_parts = steps.map(|(k, (ends, step))| {
+            let part_s = 2.0 * step.length_m() / (ends[0] + ends[1]) / PARTS as f64;
+            let speed = |part: usize| ends[0] + part as f64 / PARTS as f64 * (ends[1] - ends[0]);
+            let parts = (0..PARTS).map(|part| {
+                let (from, to) = (speed(part), speed(part + 1));
+                let length_m = 0.5 * (from + to) * part_s;
+                let road = RoadStep::new(length_m, problem.columns().slope_rad[k]);
+                problem.model().energy_j(&road, from, to)
+            });
+            parts.sum::<f64>() - run.step_energy_j[k]
+        });
+        in_parts.sum()
+    }
+
+    #[test]
+    fn what_sampling_finds_besides_lies_within_the_steps_between_nodes() {
+        let road = Road {
+            length_m: 3000.0,
+            limits: vec![(0.0, 14.0), (1000.0, 28.0), (2000.0, 14.0)],
+            stops: vec![(600.0, 30.0)],
+            elevation: vec![(0.0, 0.0), (600.0, 20.0), (1500.0, 0.0), (3000.0, 30.0)],
+            ..Road::default()
+        };
+        let car = Vehicle::builtin("b250e").unwrap();
+        let columns = road.columns().unwrap();
+        let problem = Problem::new(StepModel::new(&car), Envelope::default(), columns).unwrap();
+        for price_w in [0.0, 3e3, 1e4] {
+            let answer = plan(&problem, Demand::Price(price_w), &Settings::default()).unwrap();
+            let Answer::Plan(plan) = answer else {
+                panic!("{answer:?}");
+            };
+            let scale_j = plan.run.energy_scale_j();
+            let within_pct = 100.0 * within_steps_j(&problem, &plan.run) / scale_j;
+            let error_pct = |step_s| {
+                let sampled = SampledPlan::every(step_s, &problem, &plan.run);
+                let sampled_j = sampled.energy_j(problem.model()).unwrap();
+                100.0 * (sampled_j - plan.run.energy_j) / scale_j
+            };
+            let (coarse, fine) = (error_pct(0.1), error_pct(0.01));
+            println!("{price_w} W: {coarse} {fine} {within_pct} %");
+            assert!(coarse.abs() < 0.08, "{price_w} W: {coarse} %");
+            assert!(
+                (fine - within_pct).abs() < 0.01,
+                "{price_w} W: {fine} %, {within_pct} %"
+            );
+        }
     }
 }

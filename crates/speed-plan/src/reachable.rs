@@ -203,7 +203,7 @@ impl Reachable {
     }
 }
 
-/// Lowers squared speeds to those of the fastest plan, but not below [`CRAWL_Z`], nor where they are given.
+/// Lowers squared speeds to those of the fastest plan, but not below [`CRAWL_Z`], nor at the ends, where they are given.
 fn give_way(problem: &Problem, share: f64, low: &mut [f64], high: &[f64]) {
     let mut fastest = high.to_vec();
     for k in 1..fastest.len() {
@@ -228,9 +228,9 @@ fn give_way(problem: &Problem, share: f64, low: &mut [f64], high: &[f64]) {
         );
         fastest[k] = fastest[k].min(braked);
     }
-    for ((low, high), fastest) in low.iter_mut().zip(high).zip(fastest) {
-        if fastest < *low && *low < *high && fastest >= CRAWL_Z {
-            *low = fastest;
+    for k in 1..low.len() - 1 {
+        if fastest[k] < low[k] && fastest[k] >= CRAWL_Z {
+            low[k] = fastest[k];
         }
     }
 }

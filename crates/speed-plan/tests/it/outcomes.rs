@@ -268,6 +268,14 @@ fn a_slowest_speed_gives_way_after_and_before_stops_and_slow_places() {
     for (speed, at) in slow.filter(|(_, at)| far(**at)) {
         assert!(*speed >= road.slowest_mps - 1e-9, "{speed} m/s at {at} m");
     }
+    let at_limit = Road {
+        slowest_mps: 60.0 / 3.6,
+        ..kilometre()
+    };
+    let plan = answer(&at_limit, Demand::Price(0.0));
+    let plan = plan.plan().unwrap();
+    assert!((plan.run.time_s - plan.earliest_arrival_s).abs() < 1e-6);
+    assert!(plan.gap_pct < 0.001, "{} %", plan.gap_pct);
     let mut lit = road.clone();
     lit.signals = vec![(550.0, vec![[100.0, 130.0]])];
     let problem = Problem::new(
