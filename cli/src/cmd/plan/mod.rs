@@ -56,7 +56,7 @@ pub(crate) struct PlanArgs {
     #[serde(skip)]
     road: Vec<PathBuf>,
     /// What recorded trips could have cost: each with its own stops and arrival, no faster than driven near by
-    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output", "plot", "report", "driver", "style"])]
+    #[arg(long, requires = "road", conflicts_with_all = ["case", "arrive", "price", "frontier", "accel", "slowest", "signals", "leader", "output", "plot", "report", "driver", "style", "certify"])]
     potential: bool,
     /// Layout of the log: auto, the name of a built-in one, or a TOML file
     #[arg(long, default_value = "auto", value_name = "LAYOUT")]
