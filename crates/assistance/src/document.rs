@@ -16,7 +16,7 @@ pub enum PlanOutcome {
     Early,
 }
 
-/// How far the bound can be trusted, the most first.
+/// How far the bound can be trusted, the weaker the later.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
@@ -28,6 +28,16 @@ pub enum Bound {
     /// There is none.
     #[serde(rename = "none")]
     Missing,
+}
+
+impl From<Proof> for Bound {
+    fn from(proof: Proof) -> Self {
+        match proof {
+            Proof::Proven => Self::Proven,
+            Proof::Numerical => Self::Numerical,
+            Proof::Missing => Self::Missing,
+        }
+    }
 }
 
 /// One plan as `drivekit/plan/1` gives it.
@@ -99,7 +109,7 @@ pub struct RunDocument {
 pub struct CertificateDocument {
     /// Name of the solver.
     pub solver: &'static str,
-    /// No plan takes less energy, J; `None` where the solver failed.
+    /// No plan that arrives no later takes less energy, J; `None` where the solver failed.
     pub energy_j: Option<f64>,
     /// Energy of the plan above it, % as [`PlanDocument::gap_pct`].
     pub gap_pct: Option<f64>,
@@ -219,11 +229,7 @@ impl PlanDocument {
             price_w: plan.price_w,
             lower_bound_j: plan.lower_bound_j,
             gap_pct: plan.gap_pct,
-            bound: match plan.proof {
-                Proof::Proven => Bound::Proven,
-                Proof::Numerical => Bound::Numerical,
-                Proof::Missing => Bound::Missing,
-            },
+            bound: plan.proof.into(),
             solve_ms,
             run: RunDocument::new(problem, &plan.run)?,
         })

@@ -57,7 +57,7 @@ pub(super) fn text(certificate: &CertificateDocument) -> String {
         CertificateStatus::Solved | CertificateStatus::Failed => "",
     };
     format!(
-        "by a convex relaxation no other plan takes less than {:.4} kWh: a gap of {gap_pct:.4} % (Clarabel{weaker})\n",
+        "by a convex relaxation no other plan that arrives no later takes less than {:.4} kWh: a gap of {gap_pct:.4} % (Clarabel{weaker})\n",
         energy_j / JOULES_PER_KWH
     )
 }

@@ -8,7 +8,7 @@ mod tests;
 
 use driver_model::statistics::quantile;
 use ev_energy::{StepModel, Trip};
-use speed_plan::{Answer, Demand, Envelope, Obstacle, Problem, Proof, Settings, plan};
+use speed_plan::{Answer, Demand, Envelope, Obstacle, Problem, Settings, plan};
 
 use crate::document::Bound;
 use recorded::Legs;
@@ -207,11 +207,7 @@ pub fn potential(
         own_energy_j: own.energy_j,
         plan_energy_j: plan.run.energy_j + standing_j,
         lower_bound_j: plan.lower_bound_j + standing_j,
-        bound: match plan.proof {
-            Proof::Proven => Bound::Proven,
-            Proof::Numerical => Bound::Numerical,
-            Proof::Missing => Bound::Missing,
-        },
+        bound: plan.proof.into(),
         turned_over_j: own.turned_over_j,
         faster_than_limit_s: legs.faster_than_limit_s(),
         limited_s: own.limited_s,
