@@ -250,10 +250,10 @@ fn beside_stands(problem: &Problem, stands: &[usize], high: &[f64]) -> Vec<f64> 
         }
     };
     let mut after = f64::INFINITY;
-    for k in 1..fastest.len() {
-        let here = stand_or(k - 1, after);
-        after = next(k - 1, k - 1, here, Direction::Forward, Limits::Strongest);
-        fastest[k] = after;
+    for (step, fastest) in fastest.iter_mut().skip(1).enumerate() {
+        let here = stand_or(step, after);
+        after = next(step, step, here, Direction::Forward, Limits::Strongest);
+        *fastest = after;
     }
     let mut before = f64::INFINITY;
     for k in (0..fastest.len() - 1).rev() {
