@@ -397,3 +397,54 @@ fn another_solver_stands_beside_the_plan_where_it_can() {
     )
     .refused(&["knows of no signals"]);
 }
+
+#[test]
+fn a_plan_fits_the_driver() {
+    let folder = TempDir::new().unwrap();
+    let drives: Vec<String> = (1..=3)
+        .map(|k| fixture(&format!("drives/drive-0{k}.csv")))
+        .collect();
+    let mut fit: Vec<&str> = vec!["fit"];
+    fit.extend(drives.iter().map(String::as_str));
+    fit.extend(["--model", "trip-driver", "-o", "trips.json"]);
+    drivekit_in(folder.path(), &fit).ok();
+    let road = fixture("roads/town-and-country.toml");
+    let of_driver = [&road[..], "--driver", "trips.json"];
+    let json = ["--style", "1,free", "--format", "json"];
+    let document = plan(&folder, &[&of_driver[..], &json[..]].concat())
+        .ok()
+        .json();
+    let own = &document["own"];
+    let plans = document["plans"].as_array().unwrap();
+    assert_eq!(plans.len(), 2);
+    assert_eq!(
+        (&plans[0]["style"], &plans[1]["style"]),
+        (&1.0.into(), &"free".into())
+    );
+    let figure = |value: &Value, key: &str| value[key].as_f64().unwrap();
+    for found in plans {
+        assert!(figure(found, "time_s") <= figure(own, "time_s") + 1e-6);
+        assert!(figure(found, "energy_j") < figure(own, "energy_j"));
+        assert_eq!(found["style_distance"]["band"], "fitted");
+        // Limits are those of the road, not of the band.
+        assert_eq!(found["nodes"]["limit_mps"], own["nodes"]["limit_mps"]);
+    }
+    assert!(figure(&plans[1], "energy_j") <= figure(&plans[0], "energy_j"));
+    let text = plan(&folder, &of_driver).ok().stdout;
+    assert!(
+        text.contains("beside his own way") && text.contains("kJ"),
+        "{text}"
+    );
+    for (arguments, part) in [
+        (vec![&road[..], "--style", "1"], "--driver"),
+        (vec![&road[..], "--driver", &road], "town-and-country"),
+        (
+            [&of_driver[..], &["--style", "1,free", "-o", "p.csv"]].concat(),
+            "--style",
+        ),
+    ] {
+        let run = plan(&folder, &arguments);
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
+    }
+}

@@ -390,3 +390,31 @@ fn a_car_that_stands_shows_no_unrest() {
     let standing = with_limit(vec![0.0; 600], 13.89, 1.0);
     assert_eq!(TripDriver::fit(&[&standing]).unwrap().unrest_mps2(), 0.0);
 }
+
+#[test]
+fn the_style_of_trips_kept_back_is_the_spread_around_the_expected_speed() {
+    let recordings = recorded(&driver(), 0.0);
+    let recordings: Vec<&recording::RecordedTrip> = recordings.iter().collect();
+    let plain = TripDriver::fit_recorded(&recordings).unwrap();
+    let seen = plain.clone().with_style_of(&recordings).unwrap();
+    let style = seen.style().unwrap();
+    // Trips that are the driver's own free runs hardly stray.
+    let steady = style.steady.unwrap();
+    assert!(steady.half_width_mps < 1.0, "{steady:?}");
+    assert!(steady.places > 100, "{steady:?}");
+    assert!(seen.half_width(13.0, 0.0).is_fitted);
+    for at in &style.accelerations {
+        assert!(at.accel_mps2 <= 2.2 && at.decel_mps2 <= 2.4, "{at:?}");
+    }
+    // Of one trip nothing is kept back, and the band is assumed.
+    let of_one = plain.with_style_of(&recordings[..1]).unwrap();
+    assert_eq!(of_one.style(), None);
+    let assumed = of_one.half_width(20.0, 0.0);
+    assert_eq!((assumed.mps, assumed.is_fitted), (0.12 * 20.0, false));
+    assert_eq!(of_one.half_width(5.0, 0.0).mps, 1.5);
+
+    let text = serde_json::to_string(&seen).unwrap();
+    assert_eq!(serde_json::from_str::<TripDriver>(&text).unwrap(), seen);
+    let broken = text.replace("\"half_width_mps\":", "\"half_width_mps\":-");
+    assert!(serde_json::from_str::<TripDriver>(&broken).is_err());
+}

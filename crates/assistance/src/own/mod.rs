@@ -1,5 +1,8 @@
 //! The driver's own way over a road, and plans that keep to it.
 
+#[cfg(test)]
+mod tests;
+
 use driver_model::road::{Road, RoadFile, RoadStop};
 use driver_model::trip_driver::TripDriver;
 use serde::Serialize;
