@@ -187,7 +187,6 @@ mod tests {
                 100.0 * (sampled_j - plan.run.energy_j) / scale_j
             };
             let (coarse, fine) = (error_pct(0.1), error_pct(0.01));
-            println!("{price_w} W: {coarse} {fine} {within_pct} %");
             assert!(coarse.abs() < 0.08, "{price_w} W: {coarse} %");
             assert!(
                 (fine - within_pct).abs() < 0.01,
