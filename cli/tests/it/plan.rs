@@ -385,7 +385,7 @@ fn another_solver_stands_beside_the_plan_where_it_can() {
     assert!((0.0..0.5).contains(&gap_pct), "{gap_pct} %");
     let text = plan(&folder, &arguments).ok().stdout;
     assert!(
-        text.contains("by a convex relaxation no other plan takes less"),
+        text.contains("by a convex relaxation no other plan that arrives no later takes less"),
         "{text}"
     );
 
