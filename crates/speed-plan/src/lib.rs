@@ -9,7 +9,7 @@
 //!            t_N ≤ T,    t at every signal in a green window,    t_k ≥ t_leader(s_k + s0) + h
 //! ```
 //!
-//! [`Road::columns`] lays the nodes, [`Problem::new`] checks them with a car and an [`Envelope`] of accelerations, and [`plan`]
+//! [`Road::columns`] lays the nodes, [`Problem::new`] checks them with a car and an [`Envelope`] of accelerations, and [`plan()`]
 //! answers: a [`Plan`] or the [`Obstacle`] in its way. Limits, stops, accelerations and the arrival are kept exactly. Every plan
 //! carries `lower_bound_j`: no motion on these nodes that arrives no later takes less energy (for a demanded arrival: by then). Where losses are a
 //! formula it is proven, but for rounding.
@@ -89,10 +89,10 @@ pub fn plan(problem: &Problem, demand: Demand, settings: &Settings) -> Result<An
     plan_from(problem, demand, settings, None)
 }
 
-/// As [`plan`], from speeds in m/s at the nodes that are expected to be nearly right, such as those of the plan before.
+/// As [`plan()`], from speeds in m/s at the nodes that are expected to be nearly right, such as those of the plan before.
 ///
 /// # Errors
-/// As [`plan`], and [`Error::Length`] for another number of speeds than nodes.
+/// As [`plan()`], and [`Error::Length`] for another number of speeds than nodes.
 pub fn replan(
     problem: &Problem,
     demand: Demand,
@@ -114,7 +114,7 @@ pub fn replan(
 /// left out; without any plan, what is in the way.
 ///
 /// # Errors
-/// As [`plan`].
+/// As [`plan()`].
 pub fn frontier(
     problem: &Problem,
     points: usize,
