@@ -22,6 +22,9 @@ const MOST_SOLVED: usize = 400;
 /// Problems that are solved before a plan past lights and leader is looked for by other means.
 const PATIENCE: usize = 10;
 
+/// Rounds in which bounds of a leader are added to a part, at most.
+const MOST_ROUNDS: usize = 15;
+
 /// Share of the accelerations at the first plan of the interior point.
 const GENTLE: f64 = 0.7;
 
@@ -418,6 +421,7 @@ impl<'a> Search<'a> {
             start = start.iter().zip(near).map(clear).collect();
             barrier_j = WARM_BARRIER_J;
         }
+        let mut rounds = 0;
         loop {
             let Some(ip) =
                 InteriorPoint::new(problem, self.formula, &reachable, &task, start, barrier_j)
@@ -437,7 +441,8 @@ impl<'a> Search<'a> {
                 .collect();
             let drive = Drive::new(problem, solution.z.clone(), &waits);
             let behind = self.too_close(&drive);
-            if behind.is_empty() || task.time_bounds.len() > 200 || self.solved >= MOST_SOLVED {
+            rounds += 1;
+            if behind.is_empty() || rounds >= MOST_ROUNDS || self.solved >= MOST_SOLVED {
                 let feasible = behind.is_empty() && keeps(&task, &drive);
                 let bound = lower_bound(
                     problem,
