@@ -220,6 +220,7 @@ mod tests {
             "headline",
             "road",
             "frontier",
+            "plans",
             "savings",
             "budget",
             "assumed",

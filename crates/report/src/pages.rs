@@ -210,6 +210,7 @@ pub const PLAN: Page = Page {
     contents: &[
         ("road", "Over the road"),
         ("frontier", "Energy against time"),
+        ("plans", "Plans compared"),
         ("savings", "Where it saves most"),
         ("budget", "Energy budget"),
         ("assumed", "What was assumed"),

@@ -43,23 +43,38 @@ function readSignal(source) {
   return { km: number(raw.position_m) / 1000, passageS: number(raw.passage_s), green };
 }
 
+/** A plan, with its distance from the driver's own way where there is one. */
+function readStyled(source) {
+  const [raw, run] = [object(source), readRun(source)];
+  const distance = object(raw.style_distance);
+  const savings = list(raw.saves_most).map(object).map(readSaving).filter(({ words }) => words !== '');
+  return run && { ...run, style: text(raw.style), rms: kmh(distance.rms_mps), insidePct: number(distance.inside_band_pct), savings };
+}
+
 function readSaving(raw) {
   return { words: text(raw.words), savedJ: number(raw.saved_j), laterS: number(raw.later_s) };
 }
 
 function readPlan(source) {
   const doc = object(source);
-  const plan = list(doc.plans).length > 0 ? readRun(list(doc.plans)[0]) : null;
+  const plans = list(doc.plans).map(readStyled).filter((plan) => plan !== null);
+  const plan = plans[0] ?? null;
   const point = (raw) => ({ timeS: number(raw.time_s), energyJ: number(raw.energy_j), priceW: number(raw.price_w) });
   return {
     ...readFrame(doc, SCHEMA_KEYS),
-    ...{ vehicle: text(doc.vehicle), road: object(doc.road), plan, own: readRun(doc.own) },
+    ...{ vehicle: text(doc.vehicle), road: object(doc.road), plans, plan, own: readRun(doc.own) },
     signals: (plan?.signals ?? []).filter(({ km }) => Number.isFinite(km)),
     frontier: list(doc.frontier).map(object).map(point).filter(({ timeS, energyJ }) => Number.isFinite(timeS + energyJ)),
-    savings: list(doc.savings).map(object).map(readSaving).filter(({ words }) => words !== ''),
+    savings: plan?.savings ?? [],
     obstacle: text(object(doc.obstacle).words),
     assumed: list(doc.findings).map(text).filter((finding) => finding !== ''),
   };
+}
+
+/** Shows a section, and the link to it, where it has something in it. */
+function show(id, shown) {
+  byId(id).hidden = !shown;
+  for (const link of document.querySelectorAll(`nav a[href="#${id}"]`)) link.hidden = !shown;
 }
 
 // ---------------------------------------------------------------- energy against time
@@ -87,8 +102,7 @@ function frontierPicture({ frontier, own, plan }, width) {
 function frontierSection(report) {
   const { frontier, own, plan } = report;
   const shown = frontier.length > 1;
-  byId('frontier').hidden = !shown;
-  for (const link of document.querySelectorAll('nav a[href="#frontier"]')) link.hidden = !shown;
+  show('frontier', shown);
   if (!shown) return () => {};
   const body = el('div');
   const entries = [['cheapest plans', '--series-0'], ...(own ? [['own run', '--quiet']] : []), ...(plan ? [['this plan', '--series-1']] : [])];
@@ -99,9 +113,25 @@ function frontierSection(report) {
 
 // ---------------------------------------------------------------- words and tables
 
+const savedPct = (plan, own) => (own && own.energyJ > 0 ? 100 * (1 - plan.energyJ / own.energyJ) : NaN);
+
+function plansSection({ plans, own }) {
+  show('plans', plans.length > 1);
+  if (plans.length < 2) return;
+  const columns = [
+    { label: 'Style', unit: 'half-widths', value: ({ style }) => style },
+    { label: 'Arrival', unit: 's', value: ({ timeS }) => timeS, digits: 1 },
+    { label: 'From the cells', unit: 'kWh', value: ({ energyJ }) => kwh(energyJ), digits: 4 },
+    { label: 'Saved', unit: '% of the own run', value: (plan) => savedPct(plan, own), digits: 1 },
+    { label: 'Gap to the bound', unit: '%', value: ({ gapPct }) => gapPct, digits: 4 },
+    { label: 'From the own speed', unit: 'km/h, root mean square', value: ({ rms }) => rms, digits: 1 },
+    { label: 'Inside the band', unit: '% of the road', value: ({ insidePct }) => insidePct, digits: 0 },
+  ];
+  byId('plans-body').append(sortableTable('Plans compared', columns, plans));
+}
+
 function savingsSection({ savings }) {
-  byId('savings').hidden = savings.length === 0;
-  for (const link of document.querySelectorAll('nav a[href="#savings"]')) link.hidden = savings.length === 0;
+  show('savings', savings.length > 0);
   const time = (laterS) => (Number.isFinite(laterS) ? `${fixed(Math.abs(laterS), 1)}\u00a0s ${laterS < 0 ? 'sooner' : 'later'}` : '–');
   const rows = savings.map(({ words, savedJ, laterS }) => [words, `${quantity(savedJ / 1000, 1, 'kJ')}`, time(laterS)]);
   if (rows.length > 0) byId('savings-body').append(textTable('Where the plan saves most', ['Advice', 'Saves', 'Passes'], rows));
@@ -127,11 +157,12 @@ function budgetSection({ plan, own }) {
 }
 
 function assumedSection({ assumed, plan }) {
+  const isBounded = Number.isFinite(plan?.boundJ);
   const words = [
     'Energy is that of the model of the car, not a measured one.',
     'Road, limits and signals are known beforehand and as stated; there is no other traffic than the leader, if one is given.',
-    ...(plan?.bound === 'proven' ? ['That no other plan takes less than the bound is proven for the nodes of the road and the formulas of the car, but for rounding.'] : []),
-    ...(plan?.bound === 'numerical' ? ['The bound was searched numerically; it is no proof.'] : []),
+    ...(isBounded && plan.bound === 'proven' ? ['That no other plan takes less than the bound is proven for the nodes of the road and the formulas of the car, but for rounding.'] : []),
+    ...(isBounded && plan.bound === 'numerical' ? ['The bound was searched numerically; it is no proof.'] : []),
     ...assumed,
   ];
   byId('assumed-body').append(el('ul', {}, ...words.map((line) => el('li', {}, line))));
@@ -149,10 +180,12 @@ function introduce({ version, vehicle, plan, own, obstacle, frontier, road }) {
     return;
   }
   const early = plan.outcome === 'early' ? ', before it has to: later would not be cheaper' : '';
+  const least = quantity(kwh(plan.boundJ), 4, 'kWh');
+  const bound = Number.isFinite(plan.boundJ) ? `No other plan that arrives by then takes less than ${least}.` : 'How much less another plan could take is not known.';
   headline.append(
-    `${quantity(plan.km.at(-1) - plan.km[0], 2, 'km')} with ${vehicle} in ${quantity(plan.timeS, 1, 's')}${early}, for ${quantity(kwh(plan.energyJ), 4, 'kWh')} from the cells by the model. No other plan takes less than ${quantity(kwh(plan.boundJ), 4, 'kWh')}.`,
+    `${quantity(plan.km.at(-1) - plan.km[0], 2, 'km')} with ${vehicle} in ${quantity(plan.timeS, 1, 's')}${early}, for ${quantity(kwh(plan.energyJ), 4, 'kWh')} from the cells by the model. ${bound}`,
   );
-  const saved = own && own.energyJ > 0 ? 100 * (1 - plan.energyJ / own.energyJ) : NaN;
+  const saved = savedPct(plan, own);
   byId('facts').append(
     fact('Arrival', fixed(plan.timeS, 1), 's'),
     fact('From the cells', fixed(kwh(plan.energyJ), 3), 'kWh'),
@@ -168,6 +201,7 @@ function main() {
   introduce(report);
   problems(report, SCHEMA);
   const draws = [roadSection(report), frontierSection(report)];
+  plansSection(report);
   savingsSection(report);
   budgetSection(report);
   assumedSection(report);

@@ -35,6 +35,10 @@ impl PictureArgs {
         if let (Some(obstacle), true) = (&body.obstacle, self.plot.is_some()) {
             bail!("there is no plan to draw: {}", obstacle.words);
         }
+        let count = body.plans.len();
+        if count > 1 && (self.plot.is_some() || self.report.is_some()) {
+            output::note(context, &format!("the first of {count} plans is drawn"));
+        }
         if let Some(path) = &self.plot {
             let svg = drawn(body)?;
             output::write_file(path, |out| Ok(out.write_all(svg.as_bytes())?))?;

@@ -166,7 +166,8 @@ fn beside(plan: &PlanDocument, own: Option<&RunDocument>) -> String {
         distance.own_decel_p95_mps2
     );
     for saving in &plan.saves_most {
-        let _ = writeln!(text, "- {}", saving.words);
+        let saved_kj = saving.saved_j / 1e3;
+        let _ = writeln!(text, "- {}: saves {saved_kj:.0} kJ", saving.words);
     }
     text
 }
