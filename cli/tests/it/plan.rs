@@ -448,3 +448,26 @@ fn a_plan_fits_the_driver() {
         assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
     }
 }
+
+#[test]
+fn what_is_saved_beside_the_driver_is_said_in_kilojoules() {
+    let folder = TempDir::new().unwrap();
+    let drives = fixture("drives");
+    let fit = ["fit", &drives, "--model", "trip-driver", "-o", "anna.json"];
+    drivekit_in(folder.path(), &fit).ok();
+    let road = fixture("roads/town-and-country.toml");
+    let styles = ["--driver", "anna.json", "--style", "1,free"];
+    let run = plan(
+        &folder,
+        &[&[&road[..]], &styles[..], &["--plot", "plan.svg"]].concat(),
+    )
+    .ok();
+    assert!(run.stdout.contains(": saves "), "{}", run.stdout);
+    assert!(
+        run.stderr.contains("the first of 2 plans is drawn"),
+        "{}",
+        run.stderr
+    );
+    let picture = fs::read_to_string(folder.path().join("plan.svg")).unwrap();
+    assert!(picture.contains("own run"));
+}
