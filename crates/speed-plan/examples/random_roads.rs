@@ -85,7 +85,7 @@ fn road(random: &mut Random) -> Road {
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let count: usize = arguments.next().map_or(1000, |n| n.parse().unwrap());
+    let count: usize = arguments.next().map_or(20, |n| n.parse().unwrap());
     let seed: u64 = arguments.next().map_or(1, |n| n.parse().unwrap());
     let cars: Vec<Vehicle> = library::names()
         .map(|name| Vehicle::builtin(name).unwrap())
@@ -126,7 +126,10 @@ fn main() {
                 continue;
             }
         };
-        let settings = Settings::default();
+        let settings = Settings {
+            budget_s: Some(2.0),
+            ..Settings::default()
+        };
         let latest_s = match plan(&problem, Demand::Arrival(0.0), &settings).unwrap() {
             Answer::Obstacle(speed_plan::Obstacle::TooLate { earliest_arrival_s }) => {
                 slack * earliest_arrival_s
