@@ -60,8 +60,8 @@ pub struct PlanDocument {
     pub latest_arrival_s: Option<f64>,
     /// Earliest arrival within limits and accelerations, s.
     pub earliest_arrival_s: f64,
-    /// Price of time, W.
-    pub price_w: f64,
+    /// Price of time, W; `None` where it is not known.
+    pub price_w: Option<f64>,
     /// No plan that arrives no later takes less energy (for an arrival: by then), J; `null` in JSON where there is no bound.
     pub lower_bound_j: f64,
     /// Energy above the bound, % of the larger of |energy| and a tenth of the energy turned over; `null` in JSON where there is no bound.
@@ -405,8 +405,8 @@ pub struct FrontierPoint {
     pub time_s: f64,
     /// Energy from the cells, J.
     pub energy_j: f64,
-    /// Price of time, W.
-    pub price_w: f64,
+    /// Price of time, W; `None` where it is not known.
+    pub price_w: Option<f64>,
     /// Gap to the bound, %.
     pub gap_pct: f64,
 }

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             plan.run.energy_j / 1e3,
             plan.run.time_s,
             plan.gap_pct,
-            plan.price_w / 1e3
+            plan.price_w.unwrap_or(f64::NAN) / 1e3
         ),
         Answer::Obstacle(obstacle) => println!("{obstacle}"),
     }

@@ -55,15 +55,20 @@ impl Obstacle {
     /// In words, with places and windows of the problem.
     #[must_use]
     pub fn words(&self, problem: &Problem) -> String {
-        let Self::SignalsUnreachable {
-            node,
-            earliest_s,
-            latest_s,
-        } = *self
-        else {
-            return self.to_string();
-        };
         let columns = problem.columns();
+        let (node, earliest_s, latest_s) = match *self {
+            Self::SignalsUnreachable {
+                node,
+                earliest_s,
+                latest_s,
+            } => (node, earliest_s, latest_s),
+            Self::TooLate { earliest_arrival_s } if !columns.signals.is_empty() => {
+                return format!(
+                    "the earliest arrival that was found is after {earliest_arrival_s:.3} s; allow as much"
+                );
+            }
+            _ => return self.to_string(),
+        };
         let at_m = columns.position_m[node];
         let of_node = columns.signals.iter().find(|signal| signal.node == node);
         let windows = of_node.map_or(&[][..], |signal| &signal.green_s);
@@ -96,7 +101,7 @@ impl fmt::Display for Obstacle {
             ),
             Self::LeaderBlocks { earliest_arrival_s } => write!(
                 f,
-                "behind the leader the earliest arrival is after {earliest_arrival_s:.3} s; allow as much"
+                "no way was found behind the leader, who allows no arrival before {earliest_arrival_s:.3} s; allow a later one, or a leader who is farther ahead"
             ),
             Self::SignalsUnreachable {
                 node,

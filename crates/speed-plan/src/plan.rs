@@ -78,10 +78,8 @@ pub struct Plan {
     pub run: Run,
     /// Earliest arrival of any plan within limits and accelerations, signals and leader aside, s.
     pub earliest_arrival_s: f64,
-    /// Price of time at the end of the trip, W: energy falls by it per second of later arrival.
-    pub price_w: f64,
-    /// Price of time of every step, W.
-    pub step_price_w: Vec<f64>,
+    /// Price of time at the end of the trip, W: energy falls by it per second of later arrival; `None` where it is not known.
+    pub price_w: Option<f64>,
     /// No plan that arrives no later than this one takes less energy, or none that arrives by the time that was asked for, J.
     pub lower_bound_j: f64,
     /// Energy above the bound in % of the larger of |energy| and a tenth of the sum of the steps' |energy|.

@@ -288,10 +288,12 @@ impl<'a> Search<'a> {
         };
         if let Ok(drive) = &found {
             let part = self.part_of(drive);
-            if let Relaxation::Solved(relaxed) = self.relax(&part)
+            if let Relaxation::Solved(mut relaxed) = self.relax(&part)
                 && relaxed.feasible
                 && self.keeps_signals(&relaxed.drive)
             {
+                // Of its windows alone.
+                relaxed.bound_j = f64::NEG_INFINITY;
                 self.best = Some(*relaxed);
             }
         }
@@ -637,7 +639,7 @@ impl<'a> Search<'a> {
         } else {
             best.bound_j
         };
-        let lower_bound_j = least_j - spent_on_time_j;
+        let lower_bound_j = self.unrefuted_j(least_j, &drive) - spent_on_time_j;
         let early = matches!(self.demand, Demand::Arrival(latest_s)
             if price_w < NO_PRICE_W && drive.time_s() < latest_s - 1e-6);
         let scale_j = drive.scale_j();
@@ -648,8 +650,7 @@ impl<'a> Search<'a> {
                 Arrival::AsAsked
             },
             earliest_arrival_s,
-            price_w: if early { 0.0 } else { price_w },
-            step_price_w: best.solution.step_price_w,
+            price_w: Some(if early { 0.0 } else { price_w }),
             lower_bound_j,
             gap_pct: 100.0 * (drive.energy_j - lower_bound_j) / scale_j,
             proof: Proof::Proven,
@@ -658,18 +659,27 @@ impl<'a> Search<'a> {
         }))
     }
 
+    /// A bound of the parts that were looked at, none where a drive refutes it: then a part was taken for empty that is not.
+    fn unrefuted_j(&self, least_j: f64, drive: &Drive) -> f64 {
+        if least_j <= self.cost_j(drive) + 1e-9 * drive.scale_j() {
+            least_j
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+
     /// A plan of the dynamic program that no interior point made better, whose price of time is known only where it was given.
     fn unpolished(&self, drive: Drive, left_j: f64, earliest_arrival_s: f64) -> Plan {
         let price_w = match self.demand {
-            Demand::Price(price_w) => price_w,
-            Demand::Arrival(_) => 0.0,
+            Demand::Price(price_w) => Some(price_w),
+            Demand::Arrival(_) => None,
         };
-        let lower_bound_j = left_j - price_w * drive.time_s();
+        let least_j = self.unrefuted_j(left_j, &drive);
+        let lower_bound_j = least_j - price_w.unwrap_or(0.0) * drive.time_s();
         Plan {
             arrival: Arrival::AsAsked,
             earliest_arrival_s,
             price_w,
-            step_price_w: vec![price_w; self.problem.steps.len()],
             lower_bound_j,
             gap_pct: 100.0 * (drive.energy_j - lower_bound_j) / drive.scale_j(),
             proof: Proof::Proven,
@@ -777,11 +787,12 @@ impl<'a> Search<'a> {
             Ok(drive) => Obstacle::TooLate {
                 earliest_arrival_s: drive.time_s(),
             },
-            Err(blocked) => self.red_for_ever(blocked),
+            Err(blocked) => self.blocked(blocked, held_up_s),
         }
     }
 
-    fn red_for_ever(&self, blocked: Blocked) -> Obstacle {
+    /// What is in the way where no time helps.
+    fn blocked(&self, blocked: Blocked, held_up_s: f64) -> Obstacle {
         let signals = &self.problem.columns.signals;
         let last = signals.iter().rfind(|signal| signal.node < blocked.node);
         match last {
@@ -791,7 +802,7 @@ impl<'a> Search<'a> {
                 latest_s: signal.green_s.last().map_or(0.0, |window| window[1]),
             },
             None => Obstacle::LeaderBlocks {
-                earliest_arrival_s: blocked.earliest_s,
+                earliest_arrival_s: held_up_s,
             },
         }
     }

@@ -118,7 +118,7 @@ pub(super) fn run(args: &PlanArgs, context: &Context) -> anyhow::Result<Outcome>
     let motions = motions(&inputs, DEFAULT_SLOPE_BANDWIDTH_M)?;
     let search = Settings {
         max_gap_pct: args.max_gap,
-        ..Settings::default()
+        budget_s: Some(args.budget),
     };
     let progress = Progress::new(context, "planning", inputs.len());
     let pairs: Vec<(&Input, &[Motion])> = inputs.iter().zip(drives(&motions)).collect();

@@ -99,10 +99,16 @@ fn summary(plan: &PlanDocument, road: &RoadDocument) -> String {
             "no bound was found: how much less another plan could take is not known"
         ),
     };
+    if let Some(price_w) = plan.price_w {
+        let _ = write!(
+            text,
+            "a second later at the end saves {:.2} kJ; ",
+            price_w / 1e3
+        );
+    }
     let _ = writeln!(
         text,
-        "a second later at the end saves {:.2} kJ; sampled at 10 Hz it takes {:+.3} %; jerk {:.2} m/s³ (95 %), {:.2} m/s³ at most",
-        plan.price_w / 1e3,
+        "sampled at 10 Hz it takes {:+.3} %; jerk {:.2} m/s³ (95 %), {:.2} m/s³ at most",
         100.0 * (plan.run.sampled_energy_j - plan.run.energy_j) / plan.run.energy_j.abs().max(1.0),
         plan.run.jerk_p95_mps3,
         plan.run.jerk_max_mps3

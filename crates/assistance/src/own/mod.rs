@@ -75,13 +75,13 @@ pub struct StyleDistance {
     pub inside_band_pct: f64,
     /// Where the band comes from.
     pub band: Band,
-    /// 95th percentile over the road of accelerations, m/s², and that of the own way.
+    /// 95th percentile over the road of accelerations, m/s².
     pub accel_p95_mps2: f64,
-    /// See there.
+    /// That of the own way, m/s².
     pub own_accel_p95_mps2: f64,
-    /// 95th percentile over the road of decelerations, m/s², and that of the own way.
+    /// 95th percentile over the road of decelerations, m/s².
     pub decel_p95_mps2: f64,
-    /// See there.
+    /// That of the own way, m/s².
     pub own_decel_p95_mps2: f64,
 }
 
